@@ -1,0 +1,24 @@
+"""What can go wrong, as data: every error a user's input can cause, and what it names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class ViapointError(Exception):
+    """Root of every error this package raises on purpose; its message is one line."""
+
+
+class MarkerFileError(ViapointError):
+    """A marker file that cannot be read.
+
+    Attributes:
+        path: The file.
+        row: Line of the file, from 1, where a line is to blame.
+    """
+
+    def __init__(self, path: Path, reason: str, row: int | None = None) -> None:
+        where = f"{path}" if row is None else f"{path}, line {row}"
+        super().__init__(f"{where}: {reason}")
+        self.path = path
+        self.row = row

@@ -22,3 +22,15 @@ class MarkerFileError(ViapointError):
         super().__init__(f"{where}: {reason}")
         self.path = path
         self.row = row
+
+
+class ViaPointsError(ViapointError):
+    """Via-points that make no movement, or a component that does not exist."""
+
+
+class ExtractionError(ViapointError):
+    """A movement from which the via-points asked for cannot be extracted."""
+
+
+class LearningError(ViapointError):
+    """A learner that was given what it cannot learn from."""

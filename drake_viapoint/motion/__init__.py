@@ -1,0 +1,1 @@
+"""Movements as a handful of points in time, and the smoothest path through them."""

@@ -34,3 +34,15 @@ class ExtractionError(ViapointError):
 
 class LearningError(ViapointError):
     """A learner that was given what it cannot learn from."""
+
+
+class ModelFileError(ViapointError):
+    """A model or scene that is not where its address says.
+
+    Attributes:
+        uri: The address, ``package://drake_viapoint/...``.
+    """
+
+    def __init__(self, uri: str, reason: str) -> None:
+        super().__init__(f"{uri}: {reason}")
+        self.uri = uri

@@ -46,3 +46,105 @@ class ModelFileError(ViapointError):
     def __init__(self, uri: str, reason: str) -> None:
         super().__init__(f"{uri}: {reason}")
         self.uri = uri
+
+
+class UnreachableError(ViapointError):
+    """A pose the arm cannot bring its tool to.
+
+    Attributes:
+        label: The pose, such as ``"via-point 3"``.
+        distance: How far the nearest posture misses it [m].
+        angle: By how much its orientation differs [rad].
+        at_limit: Joints that the nearest posture has at a limit, with that limit [rad].
+    """
+
+    def __init__(
+        self, label: str, distance: float, angle: float, at_limit: tuple[tuple[str, float], ...]
+    ) -> None:
+        stops = ", ".join(f"{name} at its limit {bound:g} rad" for name, bound in at_limit)
+        super().__init__(
+            f"{label} is out of reach: missed by {1e3 * distance:.1f} mm and {angle:.3f} rad, "
+            f"stopped by {stops or 'the length of the arm'}"
+        )
+        self.label = label
+        self.distance = distance
+        self.angle = angle
+        self.at_limit = at_limit
+
+
+class RetargetingError(ViapointError):
+    """A tool path that cannot be turned into a movement of the joints as asked."""
+
+
+class RecordingError(ViapointError):
+    """A marker recording whose arrays contradict each other or themselves.
+
+    Attributes:
+        sample: Index of the sample to blame, from 0, where there is one.
+    """
+
+    def __init__(self, reason: str, sample: int | None = None) -> None:
+        super().__init__(reason if sample is None else f"sample {sample}: {reason}")
+        self.reason = reason
+        self.sample = sample
+
+
+class MarkerMissingError(ViapointError):
+    """A marker that the recording does not hold, or holds for several subjects.
+
+    Attributes:
+        marker: The name asked for.
+        present: The names the recording holds.
+    """
+
+    def __init__(self, marker: str, present: tuple[str, ...], source: Path | None = None) -> None:
+        where = "the recording" if source is None else str(source)
+        several = tuple(name for name in present if name.endswith(f":{marker}"))
+        fault = f"is ambiguous ({', '.join(several)})" if len(several) > 1 else "is absent"
+        super().__init__(f"{where}: marker {marker!r} {fault}; present: {', '.join(present)}")
+        self.marker = marker
+        self.present = present
+
+
+class GapError(ViapointError):
+    """A gap in a marker's samples that is too long, or open, to be filled.
+
+    Attributes:
+        marker: The marker.
+        start: Time of the first missing sample [s].
+        end: Time of the next valid sample, or of the end of the recording [s].
+        longest: Longest gap that would be filled [s].
+    """
+
+    def __init__(
+        self, marker: str, start: float, end: float, longest: float, reason: str | None = None
+    ) -> None:
+        reason = reason or f"longer than the {longest:g} s that are filled"
+        super().__init__(f"marker {marker!r} is missing from {start:.3f} s to {end:.3f} s: {reason}")
+        self.marker = marker
+        self.start = start
+        self.end = end
+        self.longest = longest
+
+
+class RacketPoseError(ViapointError):
+    """A pose that cannot be found: degenerate markers, too few samples, an impossible cutoff."""
+
+
+class ImpactNotFoundError(ViapointError):
+    """No spike of the racket's acceleration stands out of the noise.
+
+    Attributes:
+        score: Largest robust z-score found [-].
+        threshold: Score an impact needs [-].
+        time: Where the largest score was [s].
+    """
+
+    def __init__(self, score: float, threshold: float, time: float) -> None:
+        super().__init__(
+            f"no impact found: the largest acceleration spike, at {time:.3f} s, scores {score:.1f} "
+            f"where {threshold:.1f} is needed; give its time with --t-hit SECONDS"
+        )
+        self.score = score
+        self.threshold = threshold
+        self.time = time

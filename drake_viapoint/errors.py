@@ -148,3 +148,7 @@ class ImpactNotFoundError(ViapointError):
         self.score = score
         self.threshold = threshold
         self.time = time
+
+
+class DemonstrationError(ViapointError):
+    """A virtual person for whom the task cannot be made to succeed."""

@@ -49,7 +49,9 @@ def read_c3d(path: str | Path) -> MarkerRecording:
         c3d = ezc3d.c3d(str(path))
         point = c3d["parameters"]["POINT"]
         points = np.asarray(c3d["data"]["points"], dtype=np.float64)  # (4, m, n)
-        residuals = np.asarray(c3d["data"]["meta_points"]["residuals"])[0]  # (m, n)
+        residuals = np.asarray(c3d["data"]["meta_points"]["residuals"], dtype=np.float64)[
+            0
+        ]  # (m, n)
         unit, rate = point["UNITS"]["value"][0], float(point["RATE"]["value"][0])
         names: list[str] = []
         for key in ("LABELS", *(f"LABELS{k}" for k in range(2, 10))):
@@ -122,7 +124,7 @@ def write_c3d(path: str | Path, recording: MarkerRecording, unit: str = "mm") ->
         0,
         rate,
     )
-    missing = np.isnan(recording.positions).any(axis=2)
+    missing = np.isnan(recording.positions[..., 0])
     samples = np.zeros((frames, markers, 4), dtype="<f4")
     samples[..., :3] = np.where(missing[..., None], 0.0, scale * recording.positions)
     samples[..., 3] = np.where(missing, -1.0, 0.0)

@@ -7,9 +7,9 @@ The convention, all of it:
     0.000,312.1,20.5,1204.9,,,
     0.004,312.4,20.5,1205.3,305.0,22.1,1830.2
 
-Comment lines start with "#" and stand before the header; one of them declares the unit of length (m,
-cm or mm). The header's first column is "time", in seconds; each marker has three columns in a row,
-ending in _x, _y, _z. A blank cell or "nan" is a missing value. Times need not be evenly spaced.
+Comment lines start with "#" and stand before the header; one of them declares the unit of length
+(m, cm or mm). The header's first column is "time", in seconds; each marker has three columns in a
+row, ending in _x, _y, _z. A blank cell or "nan" is a missing value. Times need not be evenly spaced.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_viapoint.demonstration.marker_file import (
     metres_per_unit,
@@ -47,7 +48,8 @@ def read_csv(path: str | Path) -> MarkerRecording:
     if header_row == len(lines):
         raise MarkerFileError(path, "no header line 'time,<marker>_x,<marker>_y,<marker>_z,...'")
     names = _marker_names(path, lines[header_row], header_row + 1)
-    table, rows = [], []
+    table: list[NDArray[np.float64]] = []
+    rows: list[int] = []
     for row, line in enumerate(lines[header_row + 1 :], start=header_row + 2):
         cells = line.split(",")
         if len(cells) != 1 + 3 * len(names):

@@ -17,6 +17,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_viapoint.demonstration.marker_file import (
     metres_per_unit,
@@ -56,7 +57,8 @@ def read_trc(path: str | Path) -> MarkerRecording:
         wanted = header["NumMarkers"]
         raise MarkerFileError(path, f"{len(names)} markers where the header says {wanted}", 4)
     width = 2 + 3 * len(names)
-    table, rows = [], []
+    table: list[NDArray[np.float64]] = []
+    rows: list[int] = []
     for row, line in enumerate(lines[HEADER_LINES:], start=HEADER_LINES + 1):
         if not table and not line.strip():
             continue

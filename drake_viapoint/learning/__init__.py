@@ -1,0 +1,1 @@
+"""Task-level learning with numpy alone: no simulator, no task, no file."""

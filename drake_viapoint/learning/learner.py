@@ -1,0 +1,277 @@
+"""The learner: ask it for via-points, execute them, tell it what came out.
+
+It stands between any robot, real or simulated, and the subtasks of any task. It is deterministic:
+the same outcomes told in the same order give the same proposals, so a run can be resumed by
+telling a new learner what has been recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_viapoint.errors import LearningError
+from drake_viapoint.learning.exploration import Exploration
+from drake_viapoint.learning.generalized_inverse import generalized_inverse
+from drake_viapoint.learning.subtask import Subtask
+from drake_viapoint.motion.via_points import ViaPoints
+
+
+class Purpose(StrEnum):
+    """Why a trial is executed."""
+
+    EXPLORATION = "exploration"
+    LEARNING = "learning"
+    REPEAT = "repeat"
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What to execute next, and why."""
+
+    via_points: ViaPoints
+    purpose: Purpose
+    subtask: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came out of a trial.
+
+    Attributes:
+        realized: T of each task variable, None where the trial did not reach it.
+        desired: Td of each task variable; it may differ from trial to trial, as the place of the
+            racket does that the ball should meet.
+        success: Whether this trial met the bar of the whole task.
+    """
+
+    realized: Mapping[str, NDArray[np.float64] | None]
+    desired: Mapping[str, NDArray[np.float64]]
+    success: bool
+
+    def error(self, task_variable: str) -> NDArray[np.float64] | None:
+        """Td - T, or None where the trial did not reach it.
+
+        Raises:
+            LearningError: The variable is missing from the outcome or is not finite.
+        """
+        if task_variable not in self.realized or task_variable not in self.desired:
+            raise LearningError(
+                f"the outcome has no task variable {task_variable!r}; it has "
+                f"{', '.join(sorted(self.realized)) or 'none'}"
+            )
+        realized = self.realized[task_variable]
+        if realized is None:
+            return None
+        error = np.asarray(self.desired[task_variable], dtype=np.float64) - realized
+        if not np.all(np.isfinite(error)):
+            raise LearningError(f"{task_variable} is not finite: {np.asarray(realized).tolist()}")
+        return error
+
+
+@dataclass
+class _Progress:
+    """What the learner knows of one subtask."""
+
+    jacobian: NDArray[np.float64] | None = None  # (m, k)
+    error: NDArray[np.float64] | None = None  # (m,) of the last trial at the current via-points
+    exploration: Exploration | None = field(default=None)
+
+    def distance(self) -> float:
+        return float(np.linalg.norm(self.error)) if self.error is not None else np.inf
+
+
+class Learner:
+    """Learns a chain of subtasks by Newton-like steps (sections 2.1.2 and 2.1.3).
+
+    The first trial executes the via-points as they are. Then, subtask by subtask: explore its
+    Jacobian, and step S by J# B (Td - T) after every trial. A trial in which the preceding
+    subtask fails (its error is not below the gate) serves that one instead.
+
+    Args:
+        via_points: Where to start.
+        subtasks: In the order in which the movement meets them.
+        successes_to_learn: The task is learned after so many successful trials in a row.
+        repeats: Trials of the learned movement executed unchanged afterwards.
+
+    Raises:
+        LearningError: No subtask, or a subtask without its components among the via-points.
+    """
+
+    def __init__(
+        self,
+        via_points: ViaPoints,
+        subtasks: Sequence[Subtask],
+        *,
+        successes_to_learn: int = 3,
+        repeats: int = 0,
+    ) -> None:
+        if not subtasks:
+            raise LearningError("a task needs at least one subtask")
+        for subtask in subtasks:
+            via_points.select(subtask.control)  # raises if a component is unknown
+        self._subtasks = tuple(subtasks)
+        self._progress = [_Progress() for _ in subtasks]
+        self._via_points = via_points
+        self._last_good: ViaPoints | None = None
+        self._active = 0
+        self._successes_to_learn = successes_to_learn
+        self._streak = 0
+        self._learned_at: int | None = None
+        self._repeats_left = repeats
+        self._trials = 0
+        self._proposal: Proposal | None = None
+
+    @property
+    def trials(self) -> int:
+        """Trials told so far, exploration included."""
+        return self._trials
+
+    @property
+    def learned_at(self) -> int | None:
+        """The trial that completed the successes in a row, or None."""
+        return self._learned_at
+
+    @property
+    def finished(self) -> bool:
+        """Whether the task is learned and its repeats are done."""
+        return self._learned_at is not None and self._repeats_left == 0
+
+    @property
+    def via_points(self) -> ViaPoints:
+        """The current via-points, without any perturbation."""
+        return self._via_points
+
+    @property
+    def jacobians(self) -> dict[str, NDArray[np.float64]]:
+        """Estimated Jacobian (m, k) of each subtask that has one, by name."""
+        return {
+            subtask.name: progress.jacobian
+            for subtask, progress in zip(self._subtasks, self._progress, strict=True)
+            if progress.jacobian is not None
+        }
+
+    def ask(self) -> Proposal:
+        """The next trial to execute; the same one until its outcome is told.
+
+        Raises:
+            LearningError: There is none, the run is finished.
+        """
+        if self.finished:
+            raise LearningError(f"the task was learned at trial {self._learned_at}")
+        if self._proposal is None:
+            self._proposal = self._propose()
+        return self._proposal
+
+    def tell(self, outcome: Outcome) -> None:
+        """Take in the outcome of the trial last asked for, and learn from it.
+
+        Raises:
+            LearningError: Nothing was asked for, or nothing can be learned from the outcome.
+        """
+        proposal = self._proposal
+        if proposal is None:
+            raise LearningError("ask for a trial before telling its outcome")
+        errors = [outcome.error(subtask.task_variable) for subtask in self._subtasks]
+        self._trials += 1
+        self._proposal = None
+        if proposal.purpose is Purpose.REPEAT:
+            self._repeats_left -= 1
+            return
+        self._streak = self._streak + 1 if outcome.success else 0
+        if self._streak == self._successes_to_learn:
+            self._learned_at = self._trials
+            self._via_points = proposal.via_points  # exactly what succeeded
+            return
+        if proposal.purpose is Purpose.EXPLORATION:
+            self._learn_from_exploration(errors)
+        else:
+            self._learn_from(errors)
+
+    def _propose(self) -> Proposal:
+        subtask = self._subtasks[self._active]
+        if self._learned_at is not None:
+            return Proposal(self._via_points, Purpose.REPEAT, subtask.name)
+        exploration = self._progress[self._active].exploration
+        if exploration is not None:
+            perturbed = self._via_points.moved(subtask.control, exploration.next_change())
+            return Proposal(perturbed, Purpose.EXPLORATION, subtask.name)
+        return Proposal(self._via_points, Purpose.LEARNING, subtask.name)
+
+    def _learn_from_exploration(self, errors: list[NDArray[np.float64] | None]) -> None:
+        progress = self._progress[self._active]
+        exploration = progress.exploration
+        if exploration is None:  # cannot be: exploration trials are proposed by one
+            raise LearningError("an exploration trial without an exploration")
+        error = errors[self._active]
+        if self._served_by(errors) < self._active:
+            exploration.restart_pair()
+            self._step(self._active - 1, errors)
+        elif error is None:
+            exploration.shrink()
+        else:
+            exploration.record(error)
+            if exploration.complete:
+                progress.jacobian = exploration.jacobian
+                progress.exploration = None
+                self._step(self._active, [p.error for p in self._progress])
+
+    def _learn_from(self, errors: list[NDArray[np.float64] | None]) -> None:
+        for progress, error in zip(self._progress, errors, strict=True):
+            progress.error = error
+        while (
+            self._active + 1 < len(self._subtasks)
+            and self._progress[self._active].jacobian is not None
+            and self._progress[self._active].distance() < self._subtasks[self._active].reached
+        ):
+            self._active += 1
+        served = self._served_by(errors)
+        if self._progress[served].jacobian is None:
+            self._progress[served].exploration = Exploration(self._subtasks[served])
+            self._last_good = self._via_points
+            return
+        self._step(served, errors)
+
+    def _served_by(self, errors: list[NDArray[np.float64] | None]) -> int:
+        """The latest subtask, up to the active one, whose gate the trial passed."""
+        index = self._active
+        while index > 0 and not _norm(errors[index - 1]) < self._subtasks[index].gate:
+            index -= 1
+        return index
+
+    def _step(self, index: int, errors: list[NDArray[np.float64] | None]) -> None:
+        while errors[index] is None and index > 0:
+            index -= 1
+        error = errors[index]
+        if error is None:
+            self._back_off(index)
+            return
+        self._last_good = self._via_points
+        subtask, jacobian = self._subtasks[index], self._progress[index].jacobian
+        if jacobian is None:
+            raise LearningError(f"subtask {subtask.name!r} has no Jacobian yet")
+        preceding = _norm(errors[index - 1]) if index > 0 else 0.0
+        size = np.asarray(subtask.perturbation)
+        inverse = size[:, None] * generalized_inverse(jacobian * size, subtask.regularization)
+        step = inverse @ (np.asarray(subtask.gain(preceding)) * error)
+        self._via_points = self._via_points.moved(subtask.control, step)
+
+    def _back_off(self, index: int) -> None:
+        """Go half the way back to the last via-points from which something could be learned."""
+        good = self._last_good
+        if good is None:
+            raise LearningError(
+                f"the first trial did not reach {self._subtasks[index].task_variable}: there is "
+                "nothing to learn from"
+            )
+        components = self._via_points.components
+        change = (good.select(components) - self._via_points.select(components)) / 2
+        self._via_points = self._via_points.moved(components, change)
+
+
+def _norm(error: NDArray[np.float64] | None) -> float:
+    return float(np.linalg.norm(error)) if error is not None else np.inf

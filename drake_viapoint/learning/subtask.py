@@ -1,0 +1,50 @@
+"""One goal on the way: which components to change, which result to bring about, and how boldly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_viapoint.errors import LearningError
+from drake_viapoint.learning.gain import Gain
+
+
+@dataclass(frozen=True)
+class Subtask:
+    """A subtask of a sequential movement (section 2).
+
+    Attributes:
+        name: What a person calls it.
+        control: Components of the via-points that may be changed: the control variable S.
+        task_variable: Name of the result T in the outcomes told to the learner.
+        perturbation: Change of each component in its exploration trials, in its own units.
+        gain: Diagonal of B.
+        regularization: lambda of the generalised inverse, for a Jacobian measured in units of T a
+            perturbation of each component; so its unit is that of T squared.
+        reached: The next subtask starts once the norm of Td - T is below this [units of T].
+        gate: A trial counts for this subtask only if the preceding subtask's norm of Td - T is
+            below this; otherwise it serves the preceding one.
+    """
+
+    name: str
+    control: tuple[str, ...]  # (k,)
+    task_variable: str
+    perturbation: tuple[float, ...]  # (k,)
+    gain: Gain
+    regularization: float
+    reached: float
+    gate: float = np.inf
+
+    def __post_init__(self) -> None:
+        if not self.control or len(self.control) != len(self.perturbation):
+            raise LearningError(
+                f"subtask {self.name!r} has {len(self.control)} components and "
+                f"{len(self.perturbation)} perturbations; it needs one of each, at least one"
+            )
+        for component, size in zip(self.control, self.perturbation, strict=True):
+            if not (np.isfinite(size) and size != 0):
+                raise LearningError(
+                    f"subtask {self.name!r}: the perturbation of {component} must be finite and "
+                    f"not zero, got {size:g}"
+                )

@@ -1,0 +1,132 @@
+"""An arm and the tool it holds: joints, limits and kinematics, read from a model file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from drake_viapoint.errors import ModelFileError
+from drake_viapoint.packages import package_map
+
+
+class ToolPose(NamedTuple):
+    """Where the tool is."""
+
+    rotation: NDArray[np.float64]  # (3, 3) world from tool
+    position: NDArray[np.float64]  # (3,) [m]
+
+
+class ToolMotion(NamedTuple):
+    """Where the tool is and how it moves, in the world."""
+
+    rotation: NDArray[np.float64]  # (3, 3) world from tool
+    position: NDArray[np.float64]  # (3,) [m]
+    angular_velocity: NDArray[np.float64]  # (3,) [rad/s]
+    velocity: NDArray[np.float64]  # (3,) [m/s] of the tool's origin
+
+
+class JointLimits(NamedTuple):
+    """Bounds of each joint, in the order of ``Arm.joint_names``."""
+
+    lower: NDArray[np.float64]  # (k,) [rad]
+    upper: NDArray[np.float64]  # (k,) [rad]
+    speed: NDArray[np.float64]  # (k,) [rad/s]
+    effort: NDArray[np.float64]  # (k,) [N m]
+
+
+class Arm:
+    """An arm of k actuated joints, alone with its tool.
+
+    Args:
+        directives: Model directives that hold the arm and its tool, and nothing that moves else.
+        tool_frame: Name of the frame whose pose matters.
+
+    Raises:
+        ModelFileError: The models cannot be read, a joint has no actuator, no frame has the name.
+    """
+
+    def __init__(self, directives: Path, tool_frame: str) -> None:
+        self.plant = load_plant(directives)
+        plant = self.plant
+        if plant.num_actuators() != plant.num_velocities() or plant.num_actuators() == 0:
+            raise ModelFileError(
+                str(directives),
+                f"an arm needs an actuator a joint: {plant.num_velocities()} degrees of freedom, "
+                f"{plant.num_actuators()} actuators",
+            )
+        if not plant.HasFrameNamed(tool_frame):
+            raise ModelFileError(str(directives), f"no frame named {tool_frame!r}")
+        self._tool = plant.GetFrameByName(tool_frame)
+        self._context = plant.CreateDefaultContext()
+        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        moving = sorted((j for j in joints if j.num_velocities()), key=lambda j: j.velocity_start())
+        self.joint_names: tuple[str, ...] = tuple(joint.name() for joint in moving)
+        self.limits = JointLimits(
+            plant.GetPositionLowerLimits(),
+            plant.GetPositionUpperLimits(),
+            plant.GetVelocityUpperLimits(),
+            plant.GetEffortUpperLimits(),
+        )
+        self.rest: NDArray[np.float64] = plant.GetPositions(self._context)  # (k,) [rad]
+        self.rest.flags.writeable = False
+
+    @property
+    def num_joints(self) -> int:
+        """Number of joints k."""
+        return len(self.joint_names)
+
+    def tool_pose(self, q: ArrayLike) -> ToolPose:
+        """Pose of the tool at joint angles q (k,) [rad]."""
+        self.plant.SetPositions(self._context, q)
+        pose = self._tool.CalcPoseInWorld(self._context)
+        return ToolPose(pose.rotation().matrix(), pose.translation())
+
+    def tool_motion(self, q: ArrayLike, v: ArrayLike) -> ToolMotion:
+        """Pose and velocity of the tool at q (k,) [rad] and v (k,) [rad/s]."""
+        self.plant.SetPositions(self._context, q)
+        self.plant.SetVelocities(self._context, v)
+        pose = self._tool.CalcPoseInWorld(self._context)
+        velocity = self._tool.CalcSpatialVelocityInWorld(self._context)
+        return ToolMotion(
+            pose.rotation().matrix(),
+            pose.translation(),
+            velocity.rotational(),
+            velocity.translational(),
+        )
+
+    def tool_jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Jacobian (6, k) of the tool's spatial velocity: angular first, in the world."""
+        self.plant.SetPositions(self._context, q)
+        world = self.plant.world_frame()
+        jacobian: NDArray[np.float64] = self.plant.CalcJacobianSpatialVelocity(
+            self._context,
+            JacobianWrtVariable.kV,
+            self._tool,
+            np.zeros(3),
+            world,
+            world,
+        )
+        return jacobian
+
+
+def load_plant(directives: Path, time_step: float = 0.0) -> MultibodyPlant:
+    """A finalised plant of the models that a directives file names.
+
+    Raises:
+        ModelFileError: The file or a model it names cannot be read.
+    """
+    plant = MultibodyPlant(time_step)
+    parser = Parser(plant)
+    parser.package_map().AddMap(package_map())
+    try:
+        parser.AddModels(str(directives))
+    except RuntimeError as error:
+        raise ModelFileError(str(directives), " ".join(str(error).split())) from error
+    plant.Finalize()
+    return plant

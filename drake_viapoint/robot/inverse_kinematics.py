@@ -1,0 +1,175 @@
+"""Joint angles that bring the tool to a pose, as near as possible to a fixed reference posture.
+
+A redundant arm has many; a fixed choice among them keeps retargeting a smooth function of the
+via-points, which a choice by the last solution would not. The conditions solved are those of
+    minimise |q - q_ref|^2 / 2   subject to   tool(q) = pose:
+the pose itself, and no pull of q_ref along the arm's self-motion. Each step closes the pose error by
+the pseudoinverse and follows the pull in the null space; near q_ref it converges as Newton's method
+does. A joint that would leave its limits is held at the limit. All poses are solved together: what
+costs is the Python call, not the arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from drake_viapoint.errors import UnreachableError
+from drake_viapoint.robot.arm import Arm
+
+_MAX_ITERATIONS = 200
+_MAX_STEP = 0.3  # [rad] a joint and iteration; keeps steps from far away inside Newton's realm
+_CONVERGED = 1e-11  # [m, rad] of the last step: finite differences of 1e-4 m need 1e-8 or better
+_STARTS = 12
+
+
+@dataclass(frozen=True)
+class InverseKinematics:
+    """Inverse kinematics of one arm.
+
+    Attributes:
+        arm: The arm.
+        reference: (k,) posture to stay near to [rad].
+        position_tolerance: Largest accepted position error [m].
+        rotation_tolerance: Largest accepted orientation error [rad].
+    """
+
+    arm: Arm
+    reference: NDArray[np.float64]
+    position_tolerance: float = 1e-4
+    rotation_tolerance: float = 1e-4
+
+    def solve(
+        self,
+        rotations: ArrayLike,
+        positions: ArrayLike,
+        labels: Sequence[str],
+        near: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Joint angles for n poses.
+
+        Args:
+            rotations: (n, 3, 3) world from tool.
+            positions: (n, 3) [m].
+            labels: What to call each pose in an error, such as ``"via-point 3"``.
+            near: (n, k) postures to start from and stay near to [rad], one a pose. If None, the
+                solutions are searched for and stay near to ``reference``.
+
+        Returns:
+            (n, k) joint angles [rad] within the limits.
+
+        Raises:
+            UnreachableError: A pose cannot be reached; names it, the distance missed and the
+                joints at their limits.
+        """
+        target_r = np.asarray(rotations, dtype=np.float64)
+        target_p = np.asarray(positions, dtype=np.float64)
+        if near is None:
+            q = np.array([self._search(r, p) for r, p in zip(target_r, target_p, strict=True)])
+            reference = np.broadcast_to(self.reference, q.shape)
+        else:
+            q = reference = np.asarray(near, dtype=np.float64)
+        free = np.ones_like(q, dtype=bool)
+        lower, upper = self.arm.limits.lower, self.arm.limits.upper
+        # one joint of seven can be held and the pose still be met; a second one cannot
+        for _ in range(self.arm.num_joints - 5):
+            q = self._newton(q, reference, target_r, target_p, free)
+            outside = (q < lower - 1e-12) | (q > upper + 1e-12)
+            if not outside.any():
+                break
+            free &= ~outside
+            q = np.clip(q, lower, upper)
+        q = np.clip(q, lower, upper)
+        error = self._pose_error(q, target_r, target_p)
+        turned, missed = np.linalg.norm(error[:, :3], axis=1), np.linalg.norm(error[:, 3:], axis=1)
+        for i, label in enumerate(labels):
+            if missed[i] > self.position_tolerance or turned[i] > self.rotation_tolerance:
+                raise self._unreachable(label, target_r[i], target_p[i])
+        return q
+
+    def _newton(
+        self,
+        q: NDArray[np.float64],
+        reference: NDArray[np.float64],
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
+        free: NDArray[np.bool_],
+    ) -> NDArray[np.float64]:
+        """Newton's iteration from q (n, k) with the joints not free held where they are."""
+        redundant = free.sum(axis=1) > 6
+        for _ in range(_MAX_ITERATIONS):
+            error = self._pose_error(q, target_r, target_p)
+            jacobian = np.array([self.arm.tool_jacobian(row) for row in q]) * free[:, None, :]
+            _, _, vt = np.linalg.svd(jacobian)
+            null = vt[:, -1, :] * redundant[:, None]
+            pull = np.einsum("nk,nk->n", null, q - reference)
+            step = np.einsum("nki,ni->nk", np.linalg.pinv(jacobian), error) - pull[:, None] * null
+            largest = np.max(np.abs(step), axis=1, keepdims=True)
+            step *= free * np.minimum(1.0, _MAX_STEP / np.maximum(largest, _CONVERGED))
+            q = q + step
+            if np.max(np.abs(step)) < _CONVERGED:
+                break
+        return q
+
+    def _pose_error(
+        self,
+        q: NDArray[np.float64],
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """(n, 6) rotation vector and translation from the tool to its target, in the world."""
+        poses = [self.arm.tool_pose(row) for row in q]
+        rotation = np.array([pose.rotation for pose in poses])
+        position = np.array([pose.position for pose in poses])
+        turn = Rotation.from_matrix(target_r @ rotation.transpose(0, 2, 1)).as_rotvec()
+        return np.concatenate([turn, target_p - position], axis=1)
+
+    def _search(
+        self, target_r: NDArray[np.float64], target_p: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """A posture (k,) near the target, within the limits: the best of bounded least squares."""
+        lower, upper = self.arm.limits.lower, self.arm.limits.upper
+        rng = np.random.default_rng(0)  # the search must not depend on what was drawn before
+        starts = [np.clip(self.reference, lower + 1e-3, upper - 1e-3)]
+        starts += [rng.uniform(lower, upper) for _ in range(_STARTS - 1)]
+
+        def residual(q: NDArray[np.float64]) -> NDArray[np.float64]:
+            return self._pose_error(q[None], target_r[None], target_p[None])[0]
+
+        def slope(q: NDArray[np.float64]) -> NDArray[np.float64]:
+            return -self.arm.tool_jacobian(q)
+
+        best, best_cost = starts[0], np.inf
+        for start in starts:
+            fit = least_squares(residual, start, slope, bounds=(lower, upper), max_nfev=100)
+            if fit.cost < best_cost:
+                best, best_cost = fit.x, fit.cost
+            if best_cost < 1e-12:
+                break
+        return np.asarray(best)
+
+    def _unreachable(
+        self, label: str, target_r: NDArray[np.float64], target_p: NDArray[np.float64]
+    ) -> UnreachableError:
+        nearest = self._search(target_r, target_p)
+        error = self._pose_error(nearest[None], target_r[None], target_p[None])[0]
+        limits = self.arm.limits
+        at_limit = [
+            (name, bound)
+            for name, angle, low, high in zip(
+                self.arm.joint_names, nearest, limits.lower, limits.upper, strict=True
+            )
+            for bound in (low, high)
+            if abs(angle - bound) < 1e-3
+        ]
+        return UnreachableError(
+            label,
+            distance=float(np.linalg.norm(error[3:])),
+            angle=float(np.linalg.norm(error[:3])),
+            at_limit=tuple((name, float(bound)) for name, bound in at_limit),
+        )

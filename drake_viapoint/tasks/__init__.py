@@ -1,0 +1,1 @@
+"""What the robot learns: scenes, trials and their outcomes, task variables, subtasks."""

@@ -132,23 +132,21 @@ class RacketPoseError(ViapointError):
 
 
 class ImpactNotFoundError(ViapointError):
-    """No spike of the racket's acceleration stands out of the noise.
+    """No impact stands out of the racket's acceleration.
 
     Attributes:
-        score: Largest robust z-score found [-].
-        threshold: Score an impact needs [-].
-        time: Where the largest score was [s].
+        reason: Why not.
     """
 
-    def __init__(self, score: float, threshold: float, time: float) -> None:
-        super().__init__(
-            f"no impact found: the largest acceleration spike, at {time:.3f} s, scores {score:.1f} "
-            f"where {threshold:.1f} is needed; give its time with --t-hit SECONDS"
-        )
-        self.score = score
-        self.threshold = threshold
-        self.time = time
+    def __init__(self, reason: str) -> None:
+        super().__init__(f"no impact found: {reason}; give its time with --t-hit SECONDS")
+        self.reason = reason
+
 
 
 class DemonstrationError(ViapointError):
     """A virtual person for whom the task cannot be made to succeed."""
+
+
+class ScenarioError(ViapointError):
+    """A scenario with an unknown key, a value of the wrong type, or one out of its bounds."""

@@ -8,8 +8,8 @@ The convention, all of it:
     0.004,312.4,20.5,1205.3,305.0,22.1,1830.2
 
 Comment lines start with "#" and stand before the header; one of them declares the unit of length
-(m, cm or mm). The header's first column is "time", in seconds; each marker has three columns in a
-row, ending in _x, _y, _z. A blank cell or "nan" is a missing value. Times need not be evenly spaced.
+(m, cm or mm). The header's first column is "time", in seconds; each marker has three columns side
+by side, ending in _x, _y, _z. A blank cell or "nan" is a missing value. Times need not be even.
 """
 
 from __future__ import annotations

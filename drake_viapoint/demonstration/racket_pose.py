@@ -107,7 +107,7 @@ def racket_pose(
     """
     body = BodyMarkers(*markers)
     times, points = even_marker_paths(recording, body.names)
-    points = _low_passed(points, (len(times) - 1) / float(times[-1] - times[0]), cutoff)
+    points = low_passed(points, (len(times) - 1) / float(times[-1] - times[0]), cutoff)
     rotation, origin = fit_rigid_body(points, body)
     return RacketPose(times, origin, unwrap_zyz(zyz_from_rotation(rotation)))
 
@@ -193,8 +193,22 @@ def _frames(
     return np.stack([x, np.cross(z, x), z], axis=-1), origin
 
 
-def _low_passed(points: NDArray[np.float64], rate: float, cutoff: float) -> NDArray[np.float64]:
-    """Zero-phase Butterworth low-pass along the first axis."""
+def low_passed(
+    points: NDArray[np.float64], rate: float, cutoff: float = CUTOFF
+) -> NDArray[np.float64]:
+    """Low-pass along the first axis without delay: a Butterworth filter, forwards and backwards.
+
+    Args:
+        points: (n, ...) samples.
+        rate: Their rate [Hz].
+        cutoff: Frequency at which both passes together halve the power [Hz].
+
+    Returns:
+        The samples, smoothed.
+
+    Raises:
+        RacketPoseError: The cutoff is not below half the rate, or there are too few samples.
+    """
     # Each pass takes half of the 3 dB: design its cutoff higher (Winter, Biomechanics, 2.2.4.4).
     design = cutoff / (np.sqrt(2.0) - 1.0) ** (1.0 / (2 * PASS_ORDER)) if cutoff > 0 else np.nan
     if not 0.0 < design < rate / 2.0:

@@ -28,7 +28,7 @@ test: $(ready)
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 	$(bin)/mypy
-	$(bin)/python -m pytest
+	$(bin)/python -m pytest -q
 
 setup: $(ready)
 

@@ -120,7 +120,9 @@ class GapError(ViapointError):
         self, marker: str, start: float, end: float, longest: float, reason: str | None = None
     ) -> None:
         reason = reason or f"longer than the {longest:g} s that are filled"
-        super().__init__(f"marker {marker!r} is missing from {start:.3f} s to {end:.3f} s: {reason}")
+        super().__init__(
+            f"marker {marker!r} is missing from {start:.3f} s to {end:.3f} s: {reason}"
+        )
         self.marker = marker
         self.start = start
         self.end = end
@@ -141,7 +143,6 @@ class ImpactNotFoundError(ViapointError):
     def __init__(self, reason: str) -> None:
         super().__init__(f"no impact found: {reason}; give its time with --t-hit SECONDS")
         self.reason = reason
-
 
 
 class DemonstrationError(ViapointError):

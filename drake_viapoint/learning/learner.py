@@ -59,7 +59,7 @@ class Outcome:
         Raises:
             LearningError: The variable is missing from the outcome or is not finite.
         """
-        if task_variable not in self.realized or task_variable not in self.desired:
+        if task_variable not in self.realized:
             raise LearningError(
                 f"the outcome has no task variable {task_variable!r}; it has "
                 f"{', '.join(sorted(self.realized)) or 'none'}"

@@ -61,9 +61,9 @@ def zyz_from_rotation(matrix: ArrayLike) -> NDArray[np.float64]:
 def unwrap_zyz(zyz: ArrayLike) -> NDArray[np.float64]:
     """Make angles continuous along time without changing the rotations.
 
-    Each row is replaced by its nearest equal to the row before: whole turns are added, and the other
-    branch (phi + pi, -theta, psi + pi), the same rotation, is taken where that is nearer. So theta may
-    leave [0, pi]. The first row stays as it is.
+    Each row is replaced by its nearest equal to the row before: whole turns are added, and the
+    other branch (phi + pi, -theta, psi + pi), the same rotation, is taken where that is nearer. So
+    theta may leave [0, pi]. The first row stays as it is.
 
     Args:
         zyz: (n, 3) angles phi, theta, psi along time [rad].

@@ -3,10 +3,10 @@
 A redundant arm has many; a fixed choice among them keeps retargeting a smooth function of the
 via-points, which a choice by the last solution would not. The conditions solved are those of
     minimise |q - q_ref|^2 / 2   subject to   tool(q) = pose:
-the pose itself, and no pull of q_ref along the arm's self-motion. Each step closes the pose error by
-the pseudoinverse and follows the pull in the null space; near q_ref it converges as Newton's method
-does. A joint that would leave its limits is held at the limit. All poses are solved together: what
-costs is the Python call, not the arithmetic.
+the pose itself, and no pull of q_ref along the arm's self-motion. Each step closes the pose error
+by the pseudoinverse and follows the pull in the null space; near q_ref it converges as Newton's
+method does. A joint that would leave its limits is held at the limit. All poses are solved
+together: what costs is the Python call, not the arithmetic.
 """
 
 from __future__ import annotations

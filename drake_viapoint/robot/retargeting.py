@@ -142,7 +142,7 @@ class Retargeting:
         return Straying(
             times,
             np.linalg.norm(position - path[:, :3], axis=1),
-            Rotation.from_matrix(turn).magnitude(),
+            np.atleast_1d(Rotation.from_matrix(turn).magnitude()),
         )
 
     def _solve(

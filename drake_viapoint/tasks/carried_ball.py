@@ -1,7 +1,7 @@
 """A ball carried in a cup: it stays while the cup pushes it, and leaves when the cup would pull.
 
-The cup pushes along its opening only; across it, its walls hold the ball. Once out, the ball is taken
-to be clear of the cup for good.
+The cup pushes along its opening only; across it, its walls hold the ball. Once out, the ball is
+taken to be clear of the cup for good.
 """
 
 from __future__ import annotations
@@ -39,9 +39,7 @@ class Cup:
         """The carried ball at times (n,) [s]."""
         state = racket(times)
         position = state.position + state.rotation @ self.centre
-        return CarriedBall(
-            position, state.point_velocity(position), state.rotation @ self.opening
-        )
+        return CarriedBall(position, state.point_velocity(position), state.rotation @ self.opening)
 
     def support(self, racket: RacketMotion, times: ArrayLike) -> NDArray[np.float64]:
         """Push of the cup along its opening, per mass of the ball (n,) [m/s2]; a pull if < 0."""

@@ -7,11 +7,12 @@ form, with drag an ordinary differential equation of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import OdeSolution, solve_ivp
+from scipy.optimize import brentq
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s2], as Drake's multibody plant has it."""
@@ -23,9 +24,12 @@ _LONGEST_FLIGHT = 10.0  # [s] no throw of an arm stays up longer
 
 
 class Flight(Protocol):
-    """A flight from ``start`` [s] on."""
+    """A flight from ``start`` on."""
 
-    start: float
+    @property
+    def start(self) -> float:
+        """When it begins [s]."""
+        ...
 
     def position(self, t: ArrayLike) -> NDArray[np.float64]:
         """Centre of the ball (..., 3) [m] at times t (...) [s]."""
@@ -86,8 +90,6 @@ class DraggedFlight:
 
     def fall_through(self, height: float) -> float | None:
         """See ``Flight``."""
-        from scipy.optimize import brentq
-
         times = np.linspace(self.start, self.solution.t_max, 2001)
         state = self._state(times)
         above = state[:, 2] >= height
@@ -132,7 +134,7 @@ def fly(
         atol=1e-12,
         dense_output=True,
     )
-    return DraggedFlight(start, fit.sol)
+    return DraggedFlight(start, cast(OdeSolution, fit.sol))
 
 
 def drag_per_metre(coefficient: float, radius: float, mass: float) -> float:

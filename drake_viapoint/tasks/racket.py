@@ -33,8 +33,15 @@ class RacketStates(NamedTuple):
 class RacketMotion(Protocol):
     """How a racket moves, whoever holds it."""
 
-    start: float  # [s]
-    end: float  # [s]
+    @property
+    def start(self) -> float:
+        """Beginning of the motion [s]."""
+        ...
+
+    @property
+    def end(self) -> float:
+        """End of the motion [s]."""
+        ...
 
     def __call__(self, times: ArrayLike) -> RacketStates:
         """States at times (n,) [s] within start and end."""

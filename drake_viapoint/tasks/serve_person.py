@@ -32,25 +32,25 @@ _PLAN = np.array(
     [
         # t      x      y       z      phi    psi
         [0.00, 0.120, 0.360, -0.270, 0.000, 0.000],
-        [0.32, 0.112, 0.361, -0.283, 0.000, 0.000],
-        [0.45, 0.191, 0.373, -0.014, 0.000, 0.000],
-        [0.57, 0.240, 0.352, 0.136, 0.000, 0.020],
-        [0.82, 0.121, 0.206, -0.103, 0.086, 0.468],
-        [1.02, 0.056, 0.422, 0.028, 0.167, 0.546],
-        [1.13, 0.033, 0.532, -0.036, 0.065, 0.634],
+        [0.32, 0.104, 0.364, -0.331, 0.000, 0.000],
+        [0.45, 0.196, 0.374, -0.069, 0.000, 0.000],
+        [0.57, 0.239, 0.357, 0.094, 0.000, 0.020],
+        [0.82, 0.120, 0.210, -0.123, 0.087, 0.470],
+        [1.02, 0.056, 0.423, 0.011, 0.170, 0.554],
+        [1.13, 0.025, 0.536, -0.032, 0.066, 0.630],
         [1.35, 0.040, 0.500, -0.020, 0.100, 0.600],
     ]
 )
 _POSTURES = np.linspace(0.0, 1.35, 14)  # [s] the body passes through so many postures
 _THROW = 5  # posture just after the ball has left, at 0.52 s
 _HIT = 9  # posture that meets the ball, at 0.935 s
-# Practice shifts neighbouring postures together, so that its corrections are as smooth as the rest.
-_THROW_SHARE = np.array([0.0, 0.0, 0.0, 0.1, 0.6, 1.0, 0.7, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-_HIT_SHARE = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.4, 0.8, 1.0, 1.0, 0.8, 0.4, 0.2])
+_THROW_POINTS = [3]  # rows of the plan that practice of the throw shifts
+_HIT_POINTS = [5, 6]  # and practice of the strike
 _RELAXED = np.array([0.2, -0.3, 0.0, 1.3, 0.0, 0.0, 0.0])  # posture the body likes [rad]
 _DOWN = np.array([0.0, 0.0, -1.0])  # along every limb when the arm hangs
 # The racket in the hand: with the forearm forward, the handle points right and the face forward.
 _GRIP = Rotation.from_euler("X", -np.pi / 2) * Rotation.from_euler("Y", np.pi / 2)
+_CUP = np.array([-0.10, 0.0, -0.43])  # the robot's; a person has it 5 to 10 cm from there [m]
 _SAMPLE = 0.0075  # [s] between the points that carry the racket's path from joints to a spline
 
 
@@ -111,20 +111,18 @@ class PersonServe:
 
 
 def draw_person(number: int, seed: int = 1998) -> ServePerson:
-    """Person ``number`` of the population that ``seed`` draws; number 0 serves in the shipped file."""
+    """Person ``number`` of the population that ``seed`` draws; 0 serves in the shipped file."""
     rng = np.random.default_rng([seed, number])
     # slow waves, so that a habit bends the movement and does not make it tremble
     waves = np.sin(np.pi * np.outer(_POSTURES / _POSTURES[-1], [1.0, 2.0, 3.0]))
-    style = waves @ rng.normal(scale=[[0.03], [0.012], [0.006]], size=(3, 7))
+    style = waves @ rng.normal(scale=[[0.03], [0.01], [0.003]], size=(3, 7))
     return ServePerson(
         upper_arm=rng.uniform(0.28, 0.32),
         forearm=rng.uniform(0.25, 0.28),
         hand=rng.uniform(0.07, 0.09),
         shoulder=np.array([0.0, 0.0, 1.2]) + rng.uniform(-0.02, 0.02, 3),
         handle=rng.uniform(0.42, 0.44),
-        cup=Cup(
-            np.array([-0.10, 0.0, -0.43]) + rng.uniform(-0.015, 0.015, 3), np.array([-1.0, 0, 0])
-        ),
+        cup=Cup(_CUP + rng.uniform(0.05, 0.1) * _direction(rng), np.array([-1.0, 0.0, 0.0])),
         face=Face(half_width=0.115, half_length=0.155),
         ball_radius=rng.uniform(0.0327, 0.0343),
         restitution=rng.uniform(0.75, 0.85),
@@ -133,6 +131,12 @@ def draw_person(number: int, seed: int = 1998) -> ServePerson:
         aim=rng.normal(scale=0.01, size=2),
         miss=rng.normal(scale=0.03, size=2),
     )
+
+
+def _direction(rng: np.random.Generator) -> NDArray[np.float64]:
+    """A unit vector (3,), any direction as likely."""
+    vector = rng.normal(size=3)
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def practise(person: ServePerson, goal: ArrayLike) -> PersonServe:
@@ -150,45 +154,48 @@ def practise(person: ServePerson, goal: ArrayLike) -> PersonServe:
     postures = _postures(person)
     thrower = _directions(person, postures[_THROW])[:, :3]
     hitter = _directions(person, postures[_HIT])[:, 3:]
+    throw_share, hit_share = _share(_THROW_POINTS), _share(_HIT_POINTS)
 
     def corrected(throw: NDArray[np.float64], hit: NDArray[np.float64]) -> NDArray[np.float64]:
         turn = hitter @ np.array([-hit[0], 0.0, hit[1]])
-        shift = np.outer(_THROW_SHARE, thrower @ throw) + np.outer(_HIT_SHARE, turn)
+        shift = np.outer(throw_share, thrower @ throw) + np.outer(hit_share, turn)
         corrected: NDArray[np.float64] = postures + shift
         return corrected
 
-    def meeting(throw: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the ball is from where it should be when the plan meets it (3,) [m]."""
-        joints, racket = _move(person, times, corrected(throw, np.zeros(2)))
-        del joints
-        release = person.cup.release_time(racket)
-        if release is None:
-            raise DemonstrationError("the ball never leaves this person's cup")
-        carried = person.cup.ball(racket, [release])
-        thrown = fly(release, carried.position[0], carried.velocity[0])
+    def miss(change: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By how much ball and face miss each other, and the struck ball its place (5,) [m].
+
+        The strike is reckoned at the planned time wherever the ball is, so that this is smooth.
+        """
+        racket = _move(person, times, corrected(change[:3], change[3:]))[1]
+        thrown = _throw(person, racket)
         state = racket([times[_HIT]])
         offset = state.rotation[0].T @ (thrown.position(times[_HIT]) - state.position[0])
         wanted = np.array([person.aim[0], person.ball_radius, person.aim[1]])
-        error: NDArray[np.float64] = offset - wanted
-        return error
+        struck = strike(thrown, racket, times[_HIT], person.ball_radius, person.restitution, 0.0)
+        landing = struck.fall_through(ring[2])
+        if landing is None:
+            raise DemonstrationError("this person strikes the ball below the goal's height")
+        strayed = struck.position(landing)[:2] - ring[:2] - person.miss
+        return np.concatenate([offset - wanted, strayed])
 
-    def landing(change: NDArray[np.float64]) -> NDArray[np.float64]:
-        serve = _serve(person, times, corrected(change[:3], change[3:]), ring[2])
-        state = serve.racket([serve.hit])
-        offset = state.rotation[0].T @ (serve.thrown.position(serve.hit) - state.position[0])
-        fallen = serve.struck.position(serve.landing)[:2]
-        late = serve.hit - times[_HIT]
-        return np.concatenate(
-            [offset[[0, 2]] - person.aim, fallen - ring[:2] - person.miss, [late]]
-        )
+    def ill_thrown(throw: NDArray[np.float64]) -> NDArray[np.float64]:
+        return miss(np.r_[throw, 0.0, 0.0])[:3]
 
-    throw = least_squares(meeting, np.zeros(3), xtol=1e-10).x
-    fit = least_squares(landing, np.concatenate([throw, np.zeros(2)]), xtol=1e-10)
+    throw = least_squares(ill_thrown, np.zeros(3), xtol=1e-10).x
+    fit = least_squares(miss, np.r_[throw, 0.0, 0.0], xtol=1e-10)
     # rounding leaves the last bits of a fit to the machine; a file should not depend on them
     change = np.round(fit.x, 9)
-    if np.max(np.abs(landing(change))) > 0.01:
+    if np.max(np.abs(miss(change))) > 1e-3:
         raise DemonstrationError("practice does not bring this person's serve into the goal")
     return _serve(person, times, corrected(change[:3], change[3:]), ring[2])
+
+
+def _share(rows: list[int]) -> NDArray[np.float64]:
+    """How much each posture (14,) takes part when rows of the plan are shifted: smoothly."""
+    shifted = np.zeros((len(_PLAN), 1))
+    shifted[rows] = 1.0
+    return minimum_jerk(_PLAN[:, 0], shifted)(_POSTURES)[:, 0]
 
 
 def _postures(person: ServePerson) -> NDArray[np.float64]:
@@ -241,6 +248,15 @@ def _move(
     return joints, PoseSpline(make_interp_spline(t, path, k=5))
 
 
+def _throw(person: ServePerson, racket: PoseSpline) -> Flight:
+    """The ball's flight out of the cup."""
+    release = person.cup.release_time(racket)
+    if release is None:
+        raise DemonstrationError("the ball never leaves this person's cup")
+    carried = person.cup.ball(racket, [release])
+    return fly(release, carried.position[0], carried.velocity[0])
+
+
 def _serve(
     person: ServePerson,
     times: NDArray[np.float64],
@@ -248,11 +264,7 @@ def _serve(
     ring_height: float,
 ) -> PersonServe:
     joints, racket = _move(person, times, postures)
-    release = person.cup.release_time(racket)
-    if release is None:
-        raise DemonstrationError("the ball never leaves this person's cup")
-    carried = person.cup.ball(racket, [release])
-    thrown = fly(release, carried.position[0], carried.velocity[0])
+    thrown = _throw(person, racket)
     met = first_encounter(thrown, racket, person.face, person.ball_radius)
     if met is None or met.from_behind:
         raise DemonstrationError("this person misses the ball")
@@ -260,4 +272,4 @@ def _serve(
     landing = struck.fall_through(ring_height)
     if landing is None:
         raise DemonstrationError("this person's ball never falls through the goal's height")
-    return PersonServe(joints, racket, release, met.time, landing, thrown, struck)
+    return PersonServe(joints, racket, thrown.start, met.time, landing, thrown, struck)

@@ -73,9 +73,7 @@ def first_encounter(
     back = (heights[:-1] < -radius) & (heights[1:] >= -radius)
     for i in np.nonzero(front | back)[0]:
         surface = radius if front[i] else -radius
-        time = float(
-            brentq(lambda t, s=surface: height(t) - s, times[i], times[i + 1], xtol=1e-14)
-        )
+        time = float(brentq(lambda t, s=surface: height(t) - s, times[i], times[i + 1], xtol=1e-14))
         state = racket([time])
         local = state.rotation[0].T @ (flight.position(time) - state.position[0])
         if face.contains(local):

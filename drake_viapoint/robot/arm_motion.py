@@ -1,0 +1,69 @@
+"""How the arm really moved: the integrator's steps, and a curve as good between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BPoly
+
+from drake_viapoint.robot.arm import Arm, ToolMotion
+
+
+@dataclass(frozen=True)
+class MotionSegment:
+    """Joint states at the integrator's steps, between two events.
+
+    Attributes:
+        times: Times of the steps [s].
+        q: Joint angles [rad].
+        v: Joint velocities [rad/s].
+        acceleration: Joint accelerations [rad/s2].
+    """
+
+    times: NDArray[np.float64]  # (n,)
+    q: NDArray[np.float64]  # (n, k)
+    v: NDArray[np.float64]  # (n, k)
+    acceleration: NDArray[np.float64]  # (n, k)
+
+
+class ArmMotion:
+    """A motion of the arm, at any time of it.
+
+    Between two steps the joints follow the quintic that has their angles, velocities and
+    accelerations at both: its error is of sixth order in the step, below that of the integration.
+    Where segments meet, the acceleration may jump.
+
+    Args:
+        segments: In time order, each beginning where the one before ends.
+    """
+
+    def __init__(self, segments: Sequence[MotionSegment]) -> None:
+        self.segments = tuple(segments)
+        pieces = [
+            BPoly.from_derivatives(s.times, np.stack([s.q, s.v, s.acceleration], axis=1))
+            for s in self.segments
+        ]
+        self._q = pieces[0]
+        for piece in pieces[1:]:
+            self._q.extend(piece.c, piece.x[1:])
+        self._v = self._q.derivative()
+        self.start = float(self._q.x[0])
+        self.end = float(self._q.x[-1])
+
+    def q(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Joint angles (..., k) [rad] at times (...) [s]."""
+        angles: NDArray[np.float64] = self._q(np.asarray(times, dtype=np.float64))
+        return angles
+
+    def v(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Joint velocities (..., k) [rad/s] at times (...) [s]."""
+        velocities: NDArray[np.float64] = self._v(np.asarray(times, dtype=np.float64))
+        return velocities
+
+    def tool(self, arm: Arm, times: ArrayLike) -> list[ToolMotion]:
+        """Motion of the arm's tool at times (n,) [s]."""
+        t = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        return [arm.tool_motion(q, v) for q, v in zip(self.q(t), self.v(t), strict=True)]

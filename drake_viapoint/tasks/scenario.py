@@ -1,0 +1,103 @@
+"""Scenario files: YAML into typed classes, with errors that name the key and the value."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import yaml
+from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+
+from drake_viapoint.errors import ScenarioError
+
+
+class Scenario(Protocol):
+    """What every task's scenario can do."""
+
+    task: str
+    seed: int
+
+    def validate(self) -> None:
+        """Check every value against its bounds; raises ScenarioError."""
+        ...
+
+
+S = TypeVar("S", bound=Scenario)
+
+
+def load_scenario(path: Path, schema: type[S]) -> S:
+    """Read and check a scenario; keys that are left out keep their defaults.
+
+    Raises:
+        ScenarioError: The file cannot be read, has an unknown key, a value of the wrong type or
+            out of its bounds. Names file, key and value.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        data = yaml.safe_load(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    except yaml.YAMLError as error:
+        raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
+    if data is None:
+        data = {}
+    if not isinstance(data, dict):
+        raise ScenarioError(f"{path}: a scenario is a mapping of keys to values")
+    scenario = _load(path, data, schema)
+    try:
+        scenario.validate()
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from error
+    return scenario
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """A scenario as YAML, every value said."""
+    text: str = yaml_dump_typed(scenario)
+    return text
+
+
+def require(condition: bool, key: str, value: object, bound: str) -> None:
+    """Raise a ScenarioError that names key, value and bound unless the condition holds."""
+    if not condition:
+        raise ScenarioError(f"{key} {bound}, got {value}")
+
+
+def require_positive(key: str, value: float) -> None:
+    """Raise a ScenarioError unless the value is positive and finite."""
+    require(math.isfinite(value) and value > 0, key, value, "must be positive")
+
+
+_YAML_FAULTS = (RuntimeError, ValueError, TypeError, AssertionError, AttributeError)
+
+
+def _load(path: Path, data: dict[str, Any], schema: type[S]) -> S:
+    try:
+        loaded: S = yaml_load_typed(schema=schema, data=yaml.safe_dump(data), defaults=schema())
+    except _YAML_FAULTS as error:
+        key, value = _culprit(data, schema)
+        reason = " ".join(str(error).split()) or "of the wrong type"
+        raise ScenarioError(f"{path}: {key}: {value!r}: {reason}") from error
+    return loaded
+
+
+def _culprit(data: dict[str, Any], schema: type[S]) -> tuple[str, object]:
+    """The key that cannot be loaded even alone; Drake's reader names only its last part."""
+    for keys, value in _leaves(data):
+        alone: object = value
+        for key in reversed(keys):
+            alone = {key: alone}
+        try:
+            yaml_load_typed(schema=schema, data=yaml.safe_dump(alone), defaults=schema())
+        except _YAML_FAULTS:
+            return ".".join(map(str, keys)), value
+    return "the whole", data
+
+
+def _leaves(data: dict[str, Any], above: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:
+    leaves: list[tuple[tuple[str, ...], Any]] = []
+    for key, value in data.items():
+        keys = (*above, key)
+        leaves += _leaves(value, keys) if isinstance(value, dict) and value else [(keys, value)]
+    return leaves

@@ -1,0 +1,92 @@
+"""The tennis serve: throw the ball up, strike it into the goal (section 2)."""
+
+from __future__ import annotations
+
+from drake_viapoint.errors import ScenarioError
+from drake_viapoint.learning.gain import ConstantGain, TaperedGain
+from drake_viapoint.learning.subtask import Subtask
+from drake_viapoint.motion.via_points import ViaPoints
+from drake_viapoint.robot.inverse_kinematics import InverseKinematics
+from drake_viapoint.robot.retargeting import Retargeting
+from drake_viapoint.tasks.serve_demonstration import recorded_serve, watch_serve
+from drake_viapoint.tasks.serve_event import EventExecution
+from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
+from drake_viapoint.tasks.serve_scene import ServeScene
+from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial
+
+
+class ServeTask:
+    """A serve to be learned: demonstration watched, scene built, ready to execute trials.
+
+    Args:
+        scenario: Everything it depends on.
+
+    Attributes:
+        watched: The demonstration.
+        scene: The diagram in which trials are executed.
+        retargeting: From via-points to joint movements.
+        execution: What executes them.
+    """
+
+    name = "serve"
+
+    def __init__(self, scenario: ServeScenario) -> None:
+        scenario.validate()
+        self.scenario = scenario
+        self.scene = ServeScene(scenario)
+        recording = recorded_serve(scenario.demonstration, self.scene.ring)
+        self.watched = watch_serve(scenario.demonstration, recording)
+        self.via_points: ViaPoints = self.watched.extraction.via_points
+        end = float(self.via_points.times[-1])
+        if not 0 < self.watched.hit_time < end:
+            raise ScenarioError(
+                f"demonstration.hit_time must lie within the movement of {end:g} s, "
+                f"got {self.watched.hit_time:g}"
+            )
+        self.subtasks = serve_subtasks(scenario.learning)
+        for subtask in self.subtasks:
+            self.via_points.select(subtask.control)
+        self.successes = scenario.learning.successes
+        self.repeats = scenario.learning.repeats
+        self.retargeting = Retargeting(
+            InverseKinematics(self.scene.arm, self.scene.arm.rest),
+            self.via_points,
+            position_threshold=scenario.robot.position_threshold,
+            rotation_threshold=scenario.robot.rotation_threshold,
+        )
+        self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
+
+    def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial:
+        """Execute one serve. Nothing is drawn at random in ``event`` execution.
+
+        Raises:
+            UnreachableError: The arm cannot follow these via-points.
+        """
+        del seed
+        return self.execution.execute(self.retargeting(via_points))
+
+
+def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
+    """The two subtasks of section 2.1: throw (Eqs. 1, 2), then strike (Eqs. 3, 4)."""
+    throw, strike = learning.throw, learning.strike
+    return (
+        Subtask(
+            name="throw",
+            control=tuple(throw.control),
+            task_variable=THROW,
+            perturbation=(throw.perturbation,) * len(throw.control),
+            gain=ConstantGain(throw.gain),
+            regularization=throw.regularization,
+            reached=throw.reached,
+        ),
+        Subtask(
+            name="strike",
+            control=tuple(strike.control),
+            task_variable=STRIKE,
+            perturbation=(strike.perturbation,) * len(strike.control),
+            gain=TaperedGain(strike.gain, strike.taper_start, strike.gate),
+            regularization=strike.regularization,
+            reached=0.0,
+            gate=strike.gate,
+        ),
+    )

@@ -1,0 +1,295 @@
+"""A serve executed event by event: Drake integrates the arm, events are found as roots.
+
+The arm carries the ball until the cup would have to pull it; there the integration stops, is taken
+back by a step and repeated up to the root. From then on nothing couples the ball to the arm: the
+arm goes on without its weight, and the ball flies, is struck and lands by its own equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
+from pydrake.systems.framework import Context, EventStatus
+from scipy.interpolate import BSpline
+from scipy.optimize import brentq
+
+from drake_viapoint.robot.arm import Arm
+from drake_viapoint.robot.arm_motion import ArmMotion, MotionSegment
+from drake_viapoint.robot.retargeting import JointMovement
+from drake_viapoint.tasks.flight import GRAVITY, Flight, drag_per_metre, fly
+from drake_viapoint.tasks.racket import Face, RacketStates
+from drake_viapoint.tasks.serve_scenario import ServeScenario
+from drake_viapoint.tasks.serve_scene import ServeScene
+from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial
+from drake_viapoint.tasks.struck_ball import Encounter, first_encounter, strike
+
+_RELEASE_TOLERANCE = 1e-10  # [s]
+
+
+@dataclass(frozen=True)
+class HeldRacket:
+    """The racket as a moving arm holds it."""
+
+    arm: Arm
+    motion: ArmMotion
+
+    @property
+    def start(self) -> float:
+        """Beginning of the motion [s]."""
+        return self.motion.start
+
+    @property
+    def end(self) -> float:
+        """End of the motion [s]."""
+        return self.motion.end
+
+    def __call__(self, times: ArrayLike) -> RacketStates:
+        """See ``RacketMotion``."""
+        states = self.motion.tool(self.arm, times)
+        return RacketStates(*(np.array(field) for field in zip(*states, strict=True)))
+
+
+class _Log:
+    """Joint states at the integrator's steps, read by the simulator's monitor.
+
+    What it asks the plant for, the integrator needs for its next step anyway.
+    """
+
+    def __init__(self, scene: ServeScene) -> None:
+        self._scene = scene
+        self._port = scene.plant.get_generalized_acceleration_output_port(scene.instance)
+        self._effort = scene.arm.limits.effort
+        self.clamped = np.zeros(scene.arm.num_joints, dtype=bool)
+        self.times: list[float] = []
+        self._states: list[NDArray[np.float64]] = []
+
+    def add(self, context: Context) -> None:
+        plant, instance = self._scene.plant, self._scene.instance
+        own = plant.GetMyContextFromRoot(context)
+        self.times.append(context.get_time())
+        state = plant.GetPositionsAndVelocities(own, instance)
+        self._states.append(np.concatenate([state, self._port.Eval(own)]))
+        self.clamped |= np.abs(self._scene.tracking.torque_wanted(context)) > self._effort
+
+    def drop_last(self) -> None:
+        self.times.pop()
+        self._states.pop()
+
+    def segment(self) -> MotionSegment:
+        q, v, acceleration = np.split(np.array(self._states), 3, axis=1)
+        return MotionSegment(np.array(self.times), q, v, acceleration)
+
+
+class EventExecution:
+    """Executes serves in one diagram, reused; each trial as if it were the first.
+
+    Args:
+        scenario: What is simulated and how accurately.
+        scene: The diagram.
+        hit_time: t_HIT, when the ball should be hit [s].
+    """
+
+    def __init__(self, scenario: ServeScenario, scene: ServeScene, hit_time: float) -> None:
+        self._scene = scene
+        self._hit_time = hit_time
+        self._config = scenario.simulator
+        ball = scenario.ball
+        self._radius, self._restitution = ball.radius, ball.restitution
+        self._drag = drag_per_metre(ball.drag_coefficient, ball.radius, ball.mass)
+        self._face = Face(scenario.robot.half_width, scenario.robot.half_length)
+        learning = scenario.learning
+        self._tolerances = learning.meeting_tolerance, learning.landing_tolerance
+        self._simulator = Simulator(scene.diagram)
+
+    def execute(self, movement: JointMovement) -> ServeTrial:
+        """Simulate a serve and follow the ball."""
+        motion, release, clamped = self.move_arm(movement)
+        return self._follow(movement.trajectory, motion, release, clamped)
+
+    def move_arm(
+        self, movement: JointMovement
+    ) -> tuple[ArmMotion, float | None, NDArray[np.bool_]]:
+        """Integrate the arm through the movement.
+
+        Returns:
+            The motion, the time at which the ball leaves the cup (None if it stays) and which
+            joints were clamped (k,).
+        """
+        scene, simulator = self._scene, self._simulator
+        scene.tracking.follow(movement.trajectory)
+        context = simulator.get_mutable_context()
+        scene.diagram.SetDefaultContext(context)
+        context.SetTime(float(movement.times[0]))
+        own = scene.plant.GetMyMutableContextFromRoot(context)
+        scene.plant.SetPositions(own, scene.instance, movement.angles[0])
+        scene.load_ball(own)
+        # an integrator keeps the step it adapted to in the trial before; this makes it forget
+        ApplySimulatorConfig(self._config, simulator)
+        end = float(movement.times[-1])
+
+        carrying = _Log(scene)
+        release = self._carry(carrying, end)
+        if release is None:
+            return ArmMotion([carrying.segment()]), None, carrying.clamped
+        swinging = _Log(scene)
+        scene.unload_ball(own)
+        self._advance(swinging, end)
+        segments = [carrying.segment(), swinging.segment()]
+        if len(swinging.times) < 2:  # released at the very end
+            segments.pop()
+        return ArmMotion(segments), release, carrying.clamped | swinging.clamped
+
+    def _advance(self, log: _Log, end: float) -> None:
+        simulator = self._simulator
+
+        def record(context: Context) -> EventStatus:
+            log.add(context)
+            return EventStatus.DidNothing()
+
+        simulator.set_monitor(record)
+        simulator.Initialize()  # also reports the first state to the monitor
+        simulator.AdvanceTo(end)
+        simulator.clear_monitor()
+
+    def _carry(self, log: _Log, end: float) -> float | None:
+        """Move until the cup would have to pull the ball; the context is left at that time."""
+        simulator = self._simulator
+        context = simulator.get_mutable_context()
+        pushes: list[float] = []
+        before: list[NDArray[np.float64]] = []
+
+        def record(context: Context) -> EventStatus:
+            log.add(context)
+            pushes.append(self._push(context))
+            if pushes[-1] < 0:
+                return EventStatus.ReachedTermination(self._scene.diagram, "the cup would pull")
+            before[:] = [context.get_continuous_state_vector().CopyToVector()]
+            return EventStatus.DidNothing()
+
+        simulator.set_monitor(record)
+        simulator.Initialize()
+        if pushes[-1] >= 0:
+            simulator.AdvanceTo(end)
+        simulator.clear_monitor()
+        if pushes[-1] >= 0:
+            return None
+        if len(pushes) == 1:
+            return float(context.get_time())
+        last, over = log.times[-2], log.times[-1]
+        known = {last: pushes[-2], over: pushes[-1]}
+
+        def push_at(time: float) -> float:
+            if time not in known:
+                self._integrate(last, before[0], time)
+                known[time] = self._push(context)
+            return known[time]
+
+        release = float(brentq(push_at, last, over, xtol=_RELEASE_TOLERANCE))
+        self._integrate(last, before[0], release)
+        log.drop_last()
+        if release > last:
+            log.add(context)
+        return release
+
+    def _integrate(self, start: float, state: NDArray[np.float64], end: float) -> None:
+        """Bring the context from a known state to a time near after it."""
+        context = self._simulator.get_mutable_context()
+        context.SetTime(start)
+        context.SetContinuousState(state)
+        self._simulator.Initialize()
+        self._simulator.AdvanceTo(end)
+
+    def _push(self, context: Context) -> float:
+        """Push of the cup along its opening, per mass of the ball [m/s2]."""
+        plant, scene = self._scene.plant, self._scene
+        own = plant.GetMyContextFromRoot(context)
+        acceleration = plant.EvalBodySpatialAccelerationInWorld(own, scene.ball).translational()
+        # the ball sits in the cup with the cup's own orientation: its z is the opening
+        opening = plant.EvalBodyPoseInWorld(own, scene.ball).rotation().col(2)
+        return float(opening @ (acceleration + [0.0, 0.0, GRAVITY]))
+
+    def _follow(
+        self,
+        desired: BSpline[np.float64],
+        motion: ArmMotion,
+        release: float | None,
+        clamped: NDArray[np.bool_],
+    ) -> ServeTrial:
+        scene = self._scene
+        racket = HeldRacket(scene.arm, motion)
+        times = np.concatenate([segment.times for segment in motion.segments])
+        strayed = np.max(np.abs(motion.q(times) - desired(times)))
+        events: list[BallEvent] = []
+        flights: list[Flight] = []
+        met: Encounter | None = None
+        landed: float | None = None
+        if release is not None:
+            carried = scene.cup.ball(racket, [release])
+            flights.append(fly(release, carried.position[0], carried.velocity[0], self._drag))
+            events.append(_event("release", release, flights[-1], racket))
+            met = first_encounter(flights[0], racket, self._face, self._radius)
+        if met is not None and met.from_behind:
+            events.append(_event("caught_behind", met.time, flights[0], racket))
+        elif met is not None:
+            flights.append(
+                strike(flights[0], racket, met.time, self._radius, self._restitution, self._drag)
+            )
+            events.append(_event("hit", met.time, flights[-1], racket))
+            landed = flights[-1].fall_through(float(scene.ring[2]))
+            if landed is not None:
+                events.append(_event("landing", landed, flights[-1], racket))
+
+        state = racket([self._hit_time])
+        thrown = bool(flights) and flights[0].start <= self._hit_time
+        meeting = (
+            flights[0].position(self._hit_time)
+            if thrown
+            else scene.cup.ball(racket, [self._hit_time]).position[0]
+        )
+        wanted = state.position[0] + self._radius * state.normal[0]
+        landing = flights[-1].position(landed)[:2] if landed is not None else None
+        goal = np.array(scene.ring[:2])
+        near = np.linalg.norm(wanted - meeting) < self._tolerances[0]
+        inside = landing is not None and np.linalg.norm(landing - goal) < self._tolerances[1]
+        return ServeTrial(
+            ending=_ending(thrown, met, landed),
+            events=tuple(events),
+            hit_time=self._hit_time,
+            meeting=meeting,
+            desired_meeting=wanted,
+            landing=landing,
+            goal=goal,
+            success=bool(near and inside),
+            saturated=tuple(
+                name for name, c in zip(scene.arm.joint_names, clamped, strict=True) if c
+            ),
+            tracking_error=float(strayed),
+            motion=motion,
+            carried=lambda t: scene.cup.ball(racket, t).position,
+            flights=tuple(flights),
+        )
+
+
+def _ending(thrown: bool, met: Encounter | None, landed: float | None) -> ServeOutcome:
+    if not thrown:
+        return ServeOutcome.NOT_RELEASED
+    if met is None:
+        return ServeOutcome.MISSED
+    if met.from_behind:
+        return ServeOutcome.CAUGHT_BEHIND
+    return ServeOutcome.FELL_SHORT if landed is None else ServeOutcome.LANDED
+
+
+def _event(name: str, time: float, flight: Flight, racket: HeldRacket) -> BallEvent:
+    state = racket([min(time, racket.end)])  # the arm stands still after its movement
+    return BallEvent(
+        name,
+        time,
+        flight.position(time),
+        flight.velocity(time),
+        state.position[0],
+        state.velocity[0],
+    )

@@ -1,0 +1,197 @@
+"""Everything a serve depends on, as one YAML file says it.
+
+The classes are filled by Drake's YAML reader, which needs them mutable. Lengths in metres, masses
+in kilograms, angles in radians, times in seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pydrake.multibody.plant import MultibodyPlantConfig
+from pydrake.systems.analysis import SimulatorConfig
+
+from drake_viapoint.tasks.scenario import require, require_positive
+
+
+@dataclass
+class ServeDemonstration:
+    """Whose serve is watched, and how its via-points are found."""
+
+    file: str = "package://drake_viapoint/demonstrations/serve.c3d"
+    """A marker file: a path, or an address in the package."""
+    person: int = 0
+    """Virtual person of the demonstration; 0 is the one in the shipped file."""
+    markers: list[str] = field(default_factory=lambda: ["racket_upper", "racket_lower", "wrist"])
+    """Names of the markers at the face's upper and lower edge and at the wrist."""
+    cutoff: float = 12.0
+    """Of the low-pass filter [Hz]."""
+    hit_time: float | None = None
+    """t_HIT; found from the spike in acceleration if not given."""
+    via_points: int = 8
+    """Number of via-points, ends included."""
+    angle_weight: float = 0.3
+    """Lever that makes angles comparable with positions in the extraction [m/rad]."""
+
+
+@dataclass
+class ServeRobot:
+    """The arm that serves, and how it is made to follow a path."""
+
+    directives: str = "package://drake_viapoint/arm_with_racket.dmd.yaml"
+    arm: str = "arm"
+    tool_frame: str = "racket"
+    cup_frame: str = "cup"
+    natural_frequency: float = 20.0
+    """Of the tracking error's decay [rad/s]."""
+    position_threshold: float = 1e-3
+    """Supplemental via-points are added until the tool is this near to its path."""
+    rotation_threshold: float = 1e-2
+    half_width: float = 0.115
+    """Of the oval that strikes the ball, along x_racket."""
+    half_length: float = 0.155
+    """Of the oval that strikes the ball, along z_racket."""
+
+
+@dataclass
+class ServeBall:
+    """The robot's ball."""
+
+    body: str = "ball"
+    mass: float = 0.058
+    radius: float = 0.033
+    restitution: float = 0.8
+    """On the face, of the normal relative speed [assumed; between hand-held and clamped]."""
+    drag_coefficient: float = 0.0
+    """0.507 for a tennis ball at 15-30 m/s; off by default, as in the paper's simulation."""
+
+
+@dataclass
+class ThrowLearning:
+    """Subtask 1: throw the ball so that the face's centre meets it (section 2.1.2)."""
+
+    control: list[str] = field(default_factory=lambda: ["x3", "y3", "z3", "x4", "y4", "z4"])
+    perturbation: float = 0.01
+    gain: float = 0.5
+    regularization: float = 1e-4
+    """lambda of the generalised inverse [m2], for a Jacobian in metres a perturbation: a direction
+    in which one perturbation moves the ball by less than 1 cm is hardly used [assumed]."""
+    reached: float = 0.05
+    """Subtask 2 starts once d is below this [assumed]."""
+
+
+@dataclass
+class StrikeLearning:
+    """Subtask 2: strike the ball into the goal (sections 2.1.3 and 2.2.2)."""
+
+    control: list[str] = field(default_factory=lambda: ["phi6", "phi7", "psi7"])
+    perturbation: float = 0.017453292519943295
+    """1 degree."""
+    gain: float = 0.4
+    taper_start: float = 0.05
+    gate: float = 0.1
+    """The gain falls from taper_start to 0 at this d; a trial beyond serves subtask 1."""
+    regularization: float = 1e-4
+
+
+@dataclass
+class ServeLearning:
+    """How the serve is learned, and when it counts as learned."""
+
+    throw: ThrowLearning = field(default_factory=ThrowLearning)
+    strike: StrikeLearning = field(default_factory=StrikeLearning)
+    meeting_tolerance: float = 0.05
+    """A successful trial has d below this."""
+    landing_tolerance: float = 0.125
+    """And lands this near to the goal's centre: the ring's radius."""
+    successes: int = 3
+    """So many successful trials in a row and the serve is learned."""
+    repeats: int = 5
+    """Further trials with the learned movement unchanged, as at the end of section 2.1.3."""
+
+
+@dataclass
+class ServeScenario:
+    """A serve: who is watched, who serves, with what, how it is executed and learned."""
+
+    task: str = "serve"
+    demonstration: ServeDemonstration = field(default_factory=ServeDemonstration)
+    robot: ServeRobot = field(default_factory=ServeRobot)
+    scene: str = "package://drake_viapoint/serve.dmd.yaml"
+    """Model directives of arm, racket, ball and goal; the goal's centre is the frame `ring`."""
+    ring_frame: str = "ring"
+    ball: ServeBall = field(default_factory=ServeBall)
+    learning: ServeLearning = field(default_factory=ServeLearning)
+    execution: str = "event"
+    plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
+    simulator: SimulatorConfig = field(
+        default_factory=lambda: SimulatorConfig(
+            integration_scheme="runge_kutta5", accuracy=1e-4, max_step_size=0.015
+        )
+    )
+    """Short steps serve better than a tight accuracy: 15 ms at 1e-4 errs by 3e-6 m/s at the hit."""
+    seed: int = 0
+
+    def validate(self) -> None:
+        """Check every value against its bounds.
+
+        Raises:
+            ScenarioError: Names the value and the bound.
+        """
+        require(self.task == "serve", "task", self.task, "must be serve")
+        require(self.execution == "event", "execution", self.execution, "must be event")
+        for name in ("mass", "radius"):
+            require_positive(f"ball.{name}", getattr(self.ball, name))
+        restitution, drag = self.ball.restitution, self.ball.drag_coefficient
+        require(0 < restitution <= 1, "ball.restitution", restitution, "must be in (0, 1]")
+        require(drag >= 0, "ball.drag_coefficient", drag, "must not be negative")
+        for name in (
+            "natural_frequency",
+            "position_threshold",
+            "rotation_threshold",
+            "half_width",
+            "half_length",
+        ):
+            require_positive(f"robot.{name}", getattr(self.robot, name))
+        watched = self.demonstration
+        require(watched.person >= 0, "demonstration.person", watched.person, "must not be negative")
+        require(
+            watched.via_points >= 2, "demonstration.via_points", watched.via_points, "at least 2"
+        )
+        require(
+            len(watched.markers) == 3, "demonstration.markers", watched.markers, "must be three"
+        )
+        require_positive("demonstration.cutoff", watched.cutoff)
+        require_positive("demonstration.angle_weight", watched.angle_weight)
+        self._validate_learning()
+        step = self.plant.time_step
+        require(
+            step == 0, "plant.time_step", step, "must be 0: event execution is in continuous time"
+        )
+        require_positive("simulator.max_step_size", self.simulator.max_step_size)
+        require_positive("simulator.accuracy", self.simulator.accuracy)
+        require(self.seed >= 0, "seed", self.seed, "must not be negative")
+
+    def _validate_learning(self) -> None:
+        learning = self.learning
+        for name, subtask in (("throw", learning.throw), ("strike", learning.strike)):
+            require_positive(f"learning.{name}.perturbation", subtask.perturbation)
+            require_positive(f"learning.{name}.gain", subtask.gain)
+            require(
+                subtask.regularization >= 0,
+                f"learning.{name}.regularization",
+                subtask.regularization,
+                "must not be negative",
+            )
+            require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
+        require_positive("learning.throw.reached", learning.throw.reached)
+        require(
+            0 <= learning.strike.taper_start < learning.strike.gate,
+            "learning.strike.taper_start",
+            learning.strike.taper_start,
+            "must lie between 0 and the gate",
+        )
+        require_positive("learning.meeting_tolerance", learning.meeting_tolerance)
+        require_positive("learning.landing_tolerance", learning.landing_tolerance)
+        require(learning.successes >= 1, "learning.successes", learning.successes, "at least 1")
+        require(learning.repeats >= 0, "learning.repeats", learning.repeats, "must not be negative")

@@ -1,0 +1,44 @@
+"""What every task hands to those above it: a trial's record and a task that executes trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from drake_viapoint.learning.learner import Outcome
+from drake_viapoint.learning.subtask import Subtask
+from drake_viapoint.motion.via_points import ViaPoints
+
+
+class Trial(Protocol):
+    """One execution of a movement and what came out of it."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """What the learner is told."""
+        ...
+
+    def record(self) -> dict[str, Any]:
+        """What is kept of it: plain numbers, strings and lists, ready for JSON."""
+        ...
+
+    def summary(self) -> str:
+        """The same in a few words for a progress line."""
+        ...
+
+
+class Task(Protocol):
+    """A task: where learning starts, what is learned, and how a trial is executed.
+
+    A trial is a pure function of the task's scenario, the via-points and the seed.
+    """
+
+    name: str
+    via_points: ViaPoints
+    subtasks: Sequence[Subtask]
+    successes: int
+    repeats: int
+
+    def execute(self, via_points: ViaPoints, seed: int) -> Trial:
+        """Execute one trial."""
+        ...

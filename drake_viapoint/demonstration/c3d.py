@@ -52,26 +52,32 @@ def read_c3d(path: str | Path) -> MarkerRecording:
         residuals = np.asarray(c3d["data"]["meta_points"]["residuals"], dtype=np.float64)[
             0
         ]  # (m, n)
-        unit, rate = point["UNITS"]["value"][0], float(point["RATE"]["value"][0])
+        units, rates = point["UNITS"]["value"], point["RATE"]["value"]
         names: list[str] = []
         for key in ("LABELS", *(f"LABELS{k}" for k in range(2, 10))):
-            names += [name.strip() for name in point[key]["value"]] if key in point else []
-    except (KeyError, IndexError) as error:
-        raise MarkerFileError(path, f"the C3D file does not give POINT:{error}") from error
-    except (OSError, RuntimeError, ValueError, MemoryError, TypeError, AttributeError) as error:
+            names += list(point[key]["value"]) if key in point else []
+    except (OSError, LookupError, RuntimeError, ValueError, MemoryError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise MarkerFileError(path, f"damaged C3D file: {reason}") from error
     if points.shape != (4, layout.points, layout.frames):
         raise MarkerFileError(path, f"damaged C3D file: samples of shape {points.shape}")
+    if not len(units) or not len(rates):
+        missing = "RATE" if len(units) else "UNITS"
+        raise MarkerFileError(path, f"the C3D file does not give POINT:{missing}")
+    if not all(isinstance(text, str) for text in (units[0], *names)):
+        raise MarkerFileError(path, "damaged C3D file: POINT:UNITS or POINT:LABELS is not text")
+    rate = float(rates[0])
     if not np.isfinite(rate) or rate <= 0.0:
         raise MarkerFileError(path, f"the C3D file gives a frame rate of {rate:g} Hz")
-    metres = metres_per_unit(path, unit)
+    metres = metres_per_unit(path, units[0])
     if len(names) < layout.points:
         raise MarkerFileError(path, f"{len(names)} names for {layout.points} markers")
     positions = metres * np.moveaxis(points[:3], 0, 2)  # (m, n, 3)
     positions[residuals < 0.0] = np.nan
     times = (layout.first_frame - 1 + np.arange(layout.frames)) / rate
-    return recording_from_file(path, names[: layout.points], times, positions.swapaxes(0, 1))
+    return recording_from_file(
+        path, [name.strip() for name in names[: layout.points]], times, positions.swapaxes(0, 1)
+    )
 
 
 def write_c3d(path: str | Path, recording: MarkerRecording, unit: str = "mm") -> None:

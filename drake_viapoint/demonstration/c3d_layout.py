@@ -107,20 +107,25 @@ def _walk_parameters(path: Path, section: bytes, order: str) -> dict[str, bytes]
             (step,) = struct.unpack_from(f"{order}H", section, at)
             if number < 0:
                 groups[-number] = name
+                end = at + 2
             else:
                 kind, dimensions = struct.unpack_from("bB", section, at + 2)
                 sizes = struct.unpack_from(f"{dimensions}B", section, at + 4)
-                size = abs(kind) * prod(sizes)
                 begin = at + 4 + dimensions
-                if kind not in (-1, 1, 2, 4) or dimensions > 7 or begin + size > len(section):
+                end = begin + abs(kind) * prod(sizes)
+                known = kind in (1, 2, 4) or (kind == -1 and dimensions > 0)
+                if not known or dimensions > 7 or end > len(section):
                     raise MarkerFileError(path, f"damaged C3D file: parameter {name!r}")
-                found.append((number, name, section[begin : begin + size]))
+                found.append((number, name, section[begin:end]))
+            end += 1 + section[end]  # a description follows, its length first
+            if end > len(section) or step not in (0, end - at):
+                raise MarkerFileError(path, f"damaged C3D file: description of {name!r}")
             if step == 0:
                 break
             at += step
         else:
             raise MarkerFileError(path, "damaged C3D file: its parameters do not end")
-    except struct.error:
+    except (struct.error, IndexError):
         raise MarkerFileError(path, "damaged C3D file: its parameters overrun") from None
     return {f"{groups.get(number, '?')}:{name}": data for number, name, data in found}
 

@@ -2,13 +2,13 @@
 
 The ball strikes the face along its normal: the velocity of the face jumps back, recovers within
 some 60 ms under the hand's force, and the racket rings. `find_impact` looks for an onset of that
-shape in the unfiltered path of the face's centre along the normal. Around every instant the path is
-fitted by a cubic, which stands for the movement, plus a ring and a recovering jump that begin there;
-the score is how much the two add to the fit, in units of what they add elsewhere (median over the
-recording). So the threshold needs no knowledge of the noise or of the rate.
+shape in the unfiltered path of the face's centre along the normal. Around every instant the path
+is fitted by a cubic, which stands for the movement, plus a ring and a recovering jump that begin
+there; the score is how much the two add to the fit, in units of what they add elsewhere (median
+over the recording). So the threshold needs no knowledge of the noise or of the rate.
 
-Taking the largest peak of a second derivative over 28 ms instead misplaces the hit by more than 8 ms
-in a quarter of recordings with 2 mm of noise: the ring's later swings are peaks as well.
+Taking the largest peak of a second derivative over 28 ms instead misplaces the hit by more than
+8 ms in a quarter of recordings with 2 mm of noise: the ring's later swings are peaks as well.
 """
 
 from __future__ import annotations
@@ -108,8 +108,11 @@ def find_impact(
 ) -> float:
     """Time of the hit, t_HIT.
 
-    Measured on seeded random swings of 1.35 s up to 4 m/s and 60 m/s2, at 250 Hz with 2 mm of marker
-    noise (root mean square over three dimensions), by `tests/measure_impact.py`: FIGURES
+    Measured on the 300 swings of tests/synthetic_swing.py with seeds 1000-1299, at 250 Hz with 2 mm
+    of marker noise (root mean square over three dimensions): no false alarm without a hit; a jump
+    of 1 m/s with a ring of 6 mm is found in 300 (299 within 8 ms; median error 0.7 ms), the ring
+    without a lasting jump in 284 (275; 0.5 ms). With 1 mm of noise both are found in all, within
+    2 ms, and no false alarm. With 2 mm at 100 Hz the ring alone is mostly missed.
 
     Args:
         recording: The markers; the hit is at least `HALF_WINDOW` from both ends.
@@ -164,7 +167,8 @@ def _scores(
     along_normal = np.einsum("nal,na->nl", windows, normals)
     gain: NDArray[np.float64] = np.linalg.norm(along_normal @ shapes, axis=1)  # [m]
     noise = max(float(np.median(gain)) / MEDIAN_OF_TWO, SMALLEST_NOISE)
-    return gain / noise
+    scores: NDArray[np.float64] = gain / noise
+    return scores
 
 
 def _impact_shapes(rate: float, reach: int, delay: float) -> NDArray[np.float64]:

@@ -209,14 +209,15 @@ def low_passed(
     Raises:
         RacketPoseError: The cutoff is not below half the rate, or there are too few samples.
     """
-    # Each pass takes half of the 3 dB: design its cutoff higher (Winter, Biomechanics, 2.2.4.4).
-    design = cutoff / (np.sqrt(2.0) - 1.0) ** (1.0 / (2 * PASS_ORDER)) if cutoff > 0 else np.nan
-    if not 0.0 < design < rate / 2.0:
-        limit = rate / 2.0 * (np.sqrt(2.0) - 1.0) ** (1.0 / (2 * PASS_ORDER))
+    if not 0.0 < cutoff < rate / 2.0:
         raise RacketPoseError(
-            f"a cutoff of {cutoff:g} Hz is not between 0 and {limit:.3g} Hz, the most that a "
-            f"recording at {rate:.4g} Hz allows"
+            f"a cutoff of {cutoff:g} Hz is not between 0 and half the sampling rate, "
+            f"{rate / 2.0:.4g} Hz"
         )
+    # Each pass may take half of the 3 dB only, so its own cutoff lies higher (Winter, Biomechanics
+    # and Motor Control of Human Movement, 2.2.4.4); the tangents are the bilinear transform's.
+    share = (np.sqrt(2.0) - 1.0) ** (0.5 / PASS_ORDER)
+    design = rate / np.pi * np.arctan(np.tan(np.pi * cutoff / rate) / share)
     padding = int(np.ceil(rate / cutoff))  # one period of the cutoff, reflected at both ends
     if len(points) <= padding:
         raise RacketPoseError(

@@ -151,3 +151,15 @@ class DemonstrationError(ViapointError):
 
 class ScenarioError(ViapointError):
     """A scenario with an unknown key, a value of the wrong type, or one out of its bounds."""
+
+
+class RunFolderError(ViapointError):
+    """A run folder that cannot be made, read or written.
+
+    Attributes:
+        path: The folder.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path}: {reason}")
+        self.path = path

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from drake_viapoint.errors import ScenarioError
+from typing import Any
+
+from drake_viapoint.errors import ScenarioError, UnreachableError
 from drake_viapoint.learning.gain import ConstantGain, TaperedGain
+from drake_viapoint.learning.learner import Outcome
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics
@@ -12,7 +15,8 @@ from drake_viapoint.tasks.serve_demonstration import recorded_serve, watch_serve
 from drake_viapoint.tasks.serve_event import EventExecution
 from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
-from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial
+from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial, serve_outcome
+from drake_viapoint.tasks.trial import RefusedTrial
 
 
 class ServeTask:
@@ -56,14 +60,21 @@ class ServeTask:
         )
         self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
 
-    def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial:
-        """Execute one serve. Nothing is drawn at random in ``event`` execution.
+    def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial | RefusedTrial:
+        """Execute one serve; refused if the arm cannot follow these via-points.
 
-        Raises:
-            UnreachableError: The arm cannot follow these via-points.
+        Nothing is drawn at random in ``event`` execution.
         """
         del seed
-        return self.execution.execute(self.retargeting(via_points))
+        try:
+            movement = self.retargeting(via_points)
+        except UnreachableError as error:
+            return RefusedTrial(str(error), (THROW, STRIKE))
+        return self.execution.execute(movement)
+
+    def outcome(self, record: dict[str, Any]) -> Outcome:
+        """What the learner is told of a recorded serve."""
+        return serve_outcome(record)
 
 
 def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:

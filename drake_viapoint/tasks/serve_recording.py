@@ -19,8 +19,8 @@ RATE = 250.0
 _NOISE = 0.0009  # [m] a coordinate, so 1.6 mm in space
 _HALF_HEAD = 0.125  # [m] from the face's centre to the markers at its edge
 _RING = 0.0005, 120.0, 0.010  # [m], [Hz], [s]: amplitude, frequency and decay of the frame's ring
-# [m/s], [s]: backward velocity given by the ball and time constant of the hand that brings the racket
-# back. 58 g meeting the face at 3 m/s push 0.3 N s into a racket of 0.2 kg at its centre.
+# [m/s], [s]: backward velocity given by the ball and time constant of the hand that brings the
+# racket back. 58 g meeting the face at 3 m/s push 0.3 N s into a racket of 0.2 kg at its centre.
 _RECOIL = 1.5, 0.020
 _WRIST_SHARE = 0.3  # of the jolt that reaches the wrist
 

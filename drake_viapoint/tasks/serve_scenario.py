@@ -131,6 +131,8 @@ class ServeScenario:
     )
     """Short steps serve better than a tight accuracy: 15 ms at 1e-4 errs by 3e-6 m/s at the hit."""
     seed: int = 0
+    made_with: dict[str, str] = field(default_factory=dict)
+    """Versions of what executed a run; filled in when a run begins."""
 
     def validate(self) -> None:
         """Check every value against its bounds.

@@ -31,6 +31,21 @@ class ServeOutcome(StrEnum):
     LANDED = "landed"
 
 
+def serve_outcome(record: dict[str, Any]) -> Outcome:
+    """What the learner is told of a recorded serve.
+
+    A ball still in the cup at t_HIT says nothing of the throw, nor does a refused movement.
+    """
+    thrown = record["outcome"] not in ("not_released", "unreachable")
+    realized = {THROW: record[THROW] if thrown else None, STRIKE: record[STRIKE]}
+    desired = {THROW: record.get("T_Hd"), STRIKE: record.get("T_Gd")}
+    return Outcome(
+        {name: None if value is None else np.array(value) for name, value in realized.items()},
+        {name: np.array(value) for name, value in desired.items() if value is not None},
+        record["success"],
+    )
+
+
 @dataclass(frozen=True)
 class BallEvent:
     """Something that happens to the ball."""
@@ -102,16 +117,6 @@ class ServeTrial:
     def end(self) -> float:
         """When there is nothing more to see: the motion or the ball's flight is over [s]."""
         return max(self.motion.end, *(event.time for event in self.events), 0.0)
-
-    @property
-    def outcome(self) -> Outcome:
-        """What the learner is told. A ball still in the cup at t_HIT says nothing of the throw."""
-        thrown = bool(self.flights) and self.flights[0].start < self.hit_time
-        return Outcome(
-            realized={THROW: self.meeting if thrown else None, STRIKE: self.landing},
-            desired={THROW: self.desired_meeting, STRIKE: self.goal},
-            success=self.success,
-        )
 
     def ball_path(self, times: ArrayLike) -> NDArray[np.float64]:
         """Centre of the ball (n, 3) [m] at times (n,) [s]: carried, thrown, struck."""

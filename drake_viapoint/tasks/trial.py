@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from drake_viapoint.learning.learner import Outcome
@@ -13,11 +14,6 @@ from drake_viapoint.motion.via_points import ViaPoints
 class Trial(Protocol):
     """One execution of a movement and what came out of it."""
 
-    @property
-    def outcome(self) -> Outcome:
-        """What the learner is told."""
-        ...
-
     def record(self) -> dict[str, Any]:
         """What is kept of it: plain numbers, strings and lists, ready for JSON."""
         ...
@@ -25,6 +21,28 @@ class Trial(Protocol):
     def summary(self) -> str:
         """The same in a few words for a progress line."""
         ...
+
+
+@dataclass(frozen=True)
+class RefusedTrial:
+    """A movement the robot cannot make, so nothing came of it.
+
+    Attributes:
+        reason: Why, as one line.
+        task_variables: Names of the task variables it did not reach.
+    """
+
+    reason: str
+    task_variables: tuple[str, ...]
+
+    def record(self) -> dict[str, Any]:
+        """See ``Trial``."""
+        nothing = dict.fromkeys(("d", *self.task_variables))
+        return {"outcome": "unreachable", "success": False, "reason": self.reason, **nothing}
+
+    def summary(self) -> str:
+        """See ``Trial``."""
+        return self.reason
 
 
 class Task(Protocol):
@@ -40,5 +58,9 @@ class Task(Protocol):
     repeats: int
 
     def execute(self, via_points: ViaPoints, seed: int) -> Trial:
-        """Execute one trial."""
+        """Execute one trial; whatever comes of it, it is a trial and no exception."""
+        ...
+
+    def outcome(self, record: dict[str, Any]) -> Outcome:
+        """What the learner is told of a trial, live or read back from its record."""
         ...

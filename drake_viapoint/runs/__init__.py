@@ -1,0 +1,1 @@
+"""Learning runs: ask the learner, execute the trial, record it; resume what was interrupted."""

@@ -1,0 +1,110 @@
+"""One learning run: ask the learner, execute the trial, record it, tell the learner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drake_viapoint.errors import RunFolderError
+from drake_viapoint.learning.learner import Learner, Proposal
+from drake_viapoint.motion.via_points import ViaPoints
+from drake_viapoint.runs.run_folder import RunFolder
+from drake_viapoint.tasks.trial import Task, Trial
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """How a run ended.
+
+    Attributes:
+        trials: Trials executed, repeats included.
+        learned_at: The trial that completed the successes in a row; None if not learned.
+    """
+
+    trials: int
+    learned_at: int | None
+
+
+def learn(
+    task: Task,
+    folder: RunFolder,
+    *,
+    seed: int,
+    max_trials: int,
+    on_trial: Callable[[dict[str, Any], Trial], None] | None = None,
+) -> RunResult:
+    """Learn a task, going on from whatever trials the folder holds.
+
+    Args:
+        task: What to learn.
+        folder: Where trials are recorded.
+        seed: Of the run; each trial's own seed follows from it.
+        max_trials: Give up after so many trials; repeats of a learned movement not counted.
+        on_trial: Told each new trial's record and the trial, after it is on the disk.
+
+    Raises:
+        RunFolderError: The folder holds another run's trials, or cannot be written.
+        LearningError: Nothing can be learned from an outcome. The trial is on record.
+    """
+    learner = Learner(
+        task.via_points,
+        task.subtasks,
+        successes_to_learn=task.successes,
+        repeats=task.repeats,
+    )
+    for record in folder.trials:
+        _check_same(folder, record, learner.ask())
+        learner.tell(task.outcome(record))
+    while not learner.finished and (learner.learned_at or learner.trials < max_trials):
+        proposal = learner.ask()
+        number = learner.trials + 1
+        own_seed = trial_seed(seed, number)
+        trial = task.execute(proposal.via_points, own_seed)
+        record = {
+            "trial": number,
+            "purpose": str(proposal.purpose),
+            "subtask": proposal.subtask,
+            **trial.record(),
+            "via_points": {
+                "times": proposal.via_points.times.tolist(),
+                "values": proposal.via_points.values.tolist(),
+            },
+            "seed": own_seed,
+        }
+        folder.append(record)
+        learner.tell(task.outcome(record))
+        if on_trial is not None:
+            on_trial(record, trial)
+    return RunResult(learner.trials, learner.learned_at)
+
+
+def trial_seed(seed: int, trial: int) -> int:
+    """The seed of one trial of a run: trials draw independently, whatever came before them."""
+    return int(np.random.SeedSequence([seed, trial]).generate_state(1)[0])
+
+
+def recorded_via_points(record: dict[str, Any], names: tuple[str, ...]) -> ViaPoints:
+    """The via-points a recorded trial executed.
+
+    Args:
+        record: A line of the run.
+        names: Dimensions of the task's via-points.
+    """
+    points = record["via_points"]
+    return ViaPoints(np.array(points["times"]), np.array(points["values"]), names)
+
+
+def _check_same(folder: RunFolder, record: dict[str, Any], proposal: Proposal) -> None:
+    recorded = recorded_via_points(record, proposal.via_points.names)
+    same = np.array_equal(recorded.times, proposal.via_points.times) and np.array_equal(
+        recorded.values, proposal.via_points.values
+    )
+    if not same or record["purpose"] != proposal.purpose:
+        raise RunFolderError(
+            folder.path,
+            f"trial {record['trial']} is not the one this scenario leads to; made by another "
+            "version or another scenario",
+        )

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize
 from scipy.spatial.transform import Rotation
 
 from drake_viapoint.errors import UnreachableError
@@ -25,7 +25,7 @@ from drake_viapoint.robot.arm import Arm
 _MAX_ITERATIONS = 200
 _MAX_STEP = 0.3  # [rad] a joint and iteration; keeps steps from far away inside Newton's realm
 _CONVERGED = 1e-11  # [m, rad] of the last step: finite differences of 1e-4 m need 1e-8 or better
-_STARTS = 12
+_DRAWN, _STARTS = 300, 20  # postures drawn at random, and tried as starts of a search
 
 
 @dataclass(frozen=True)
@@ -74,22 +74,14 @@ class InverseKinematics:
             reference = np.broadcast_to(self.reference, q.shape)
         else:
             q = reference = np.asarray(near, dtype=np.float64)
-        free = np.ones_like(q, dtype=bool)
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
-        # one joint of seven can be held and the pose still be met; a second one cannot
-        for _ in range(self.arm.num_joints - 5):
-            q = self._newton(q, reference, target_r, target_p, free)
-            outside = (q < lower - 1e-12) | (q > upper + 1e-12)
-            if not outside.any():
-                break
-            free &= ~outside
-            q = np.clip(q, lower, upper)
+        q = self._newton(q, reference, target_r, target_p, np.ones_like(q, dtype=bool))
+        outside = (q < lower) | (q > upper)
         q = np.clip(q, lower, upper)
-        error = self._pose_error(q, target_r, target_p)
-        turned, missed = np.linalg.norm(error[:, :3], axis=1), np.linalg.norm(error[:, 3:], axis=1)
-        for i, label in enumerate(labels):
-            if missed[i] > self.position_tolerance or turned[i] > self.rotation_tolerance:
-                raise self._unreachable(label, target_r[i], target_p[i])
+        if outside.any():  # of seven joints one can be held and the pose still be met
+            q = np.clip(self._newton(q, reference, target_r, target_p, ~outside), lower, upper)
+        for i in np.nonzero(self._missed(q, target_r, target_p))[0]:
+            q[i] = self._nearest(labels[i], target_r[i], target_p[i], reference[i])
         return q
 
     def _newton(
@@ -101,20 +93,71 @@ class InverseKinematics:
         free: NDArray[np.bool_],
     ) -> NDArray[np.float64]:
         """Newton's iteration from q (n, k) with the joints not free held where they are."""
-        redundant = free.sum(axis=1) > 6
+        q = q.copy()
+        rows = np.arange(len(q))  # those still moving: a pose must not feel the others
         for _ in range(_MAX_ITERATIONS):
-            error = self._pose_error(q, target_r, target_p)
-            jacobian = np.array([self.arm.tool_jacobian(row) for row in q]) * free[:, None, :]
+            error = self._pose_error(q[rows], target_r[rows], target_p[rows])
+            jacobian = np.array([self.arm.tool_jacobian(row) for row in q[rows]])
+            jacobian *= free[rows, None, :]
+            redundant = free[rows].sum(axis=1) > 6
             _, _, vt = np.linalg.svd(jacobian)
             null = vt[:, -1, :] * redundant[:, None]
-            pull = np.einsum("nk,nk->n", null, q - reference)
-            step = np.einsum("nki,ni->nk", np.linalg.pinv(jacobian), error) - pull[:, None] * null
-            largest = np.max(np.abs(step), axis=1, keepdims=True)
-            step *= free * np.minimum(1.0, _MAX_STEP / np.maximum(largest, _CONVERGED))
-            q = q + step
-            if np.max(np.abs(step)) < _CONVERGED:
+            pull = np.sum(null * (q - reference)[rows], axis=1)
+            step = (np.linalg.pinv(jacobian) @ error[:, :, None])[:, :, 0] - pull[:, None] * null
+            largest = np.max(np.abs(step), axis=1)
+            step *= free[rows] * np.minimum(1.0, _MAX_STEP / np.maximum(largest, _CONVERGED))[:, None]
+            q[rows] += step
+            rows = rows[largest >= _CONVERGED]
+            if not rows.size:
                 break
         return q
+
+    def _nearest(
+        self,
+        label: str,
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
+        reference: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """The same conditions with the limits as bounds, for a pose where Newton fails.
+
+        Slower, and sure: it begins at a posture that meets the pose within the limits.
+        """
+        limits = self.arm.limits
+        start = self._search(target_r, target_p)
+        if self._missed(start[None], target_r[None], target_p[None])[0]:
+            raise self._unreachable(label, start, target_r, target_p)
+        fit = minimize(
+            lambda q: 0.5 * np.sum((q - reference) ** 2),
+            start,
+            jac=lambda q: q - reference,
+            bounds=list(zip(limits.lower, limits.upper, strict=True)),
+            constraints={
+                "type": "eq",
+                "fun": lambda q: self._pose_error(q[None], target_r[None], target_p[None])[0],
+                "jac": lambda q: -self.arm.tool_jacobian(q),
+            },
+            method="SLSQP",
+            options={"ftol": 1e-12},
+        )
+        near = np.clip(fit.x, limits.lower, limits.upper)
+        free = (near > limits.lower + 1e-6) & (near < limits.upper - 1e-6)
+        exact = self._newton(near[None], reference[None], target_r[None], target_p[None], free[None])
+        for q in np.clip(exact, limits.lower, limits.upper)[0], near:
+            if not self._missed(q[None], target_r[None], target_p[None])[0]:
+                return np.asarray(q)
+        return start
+
+    def _missed(
+        self,
+        q: NDArray[np.float64],
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
+    ) -> NDArray[np.bool_]:
+        """Which postures (n, k) miss their poses by more than is accepted (n,)."""
+        error = self._pose_error(q, target_r, target_p)
+        turned = np.linalg.norm(error[:, :3], axis=1) > self.rotation_tolerance
+        return np.asarray(turned | (np.linalg.norm(error[:, 3:], axis=1) > self.position_tolerance))
 
     def _pose_error(
         self,
@@ -135,8 +178,12 @@ class InverseKinematics:
         """A posture (k,) near the target, within the limits: the best of bounded least squares."""
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
         rng = np.random.default_rng(0)  # the search must not depend on what was drawn before
-        starts = [np.clip(self.reference, lower + 1e-3, upper - 1e-3)]
-        starts += [rng.uniform(lower, upper) for _ in range(_STARTS - 1)]
+        drawn = rng.uniform(lower, upper, (_DRAWN, self.arm.num_joints))
+        wrong = self._pose_error(
+            drawn, np.tile(target_r, (_DRAWN, 1, 1)), np.tile(target_p, (_DRAWN, 1))
+        )
+        promising = np.argsort(np.linalg.norm(wrong, axis=1))[: _STARTS - 1]
+        starts = [np.clip(self.reference, lower + 1e-3, upper - 1e-3), *drawn[promising]]
 
         def residual(q: NDArray[np.float64]) -> NDArray[np.float64]:
             return self._pose_error(q[None], target_r[None], target_p[None])[0]
@@ -154,9 +201,12 @@ class InverseKinematics:
         return np.asarray(best)
 
     def _unreachable(
-        self, label: str, target_r: NDArray[np.float64], target_p: NDArray[np.float64]
+        self,
+        label: str,
+        nearest: NDArray[np.float64],
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
     ) -> UnreachableError:
-        nearest = self._search(target_r, target_p)
         error = self._pose_error(nearest[None], target_r[None], target_p[None])[0]
         limits = self.arm.limits
         at_limit = [

@@ -1,10 +1,9 @@
 """Everything a serve depends on, as one YAML file says it.
 
-The classes are filled by Drake's YAML reader, which needs them mutable. Lengths in metres, masses
-in kilograms, angles in radians, times in seconds.
+The classes are filled by Drake's YAML reader, which needs them mutable and their annotations as
+types, not as strings (so no postponed annotations here). Lengths in metres, masses in kilograms,
+angles in radians, times in seconds.
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass, field
 

@@ -1,7 +1,25 @@
-"""Settings shared by all tests."""
+"""Settings and fixtures shared by all tests."""
 
+import pytest
 from hypothesis import settings
+
+from drake_viapoint.packages import resolve
+from drake_viapoint.robot.arm import Arm
+from drake_viapoint.tasks.serve import ServeTask
+from drake_viapoint.tasks.serve_scenario import ServeScenario
 
 # A busy machine is no failure: what a property may cost is not hypothesis's to judge.
 settings.register_profile("drake-viapoint", deadline=None)
 settings.load_profile("drake-viapoint")
+
+
+@pytest.fixture(scope="session")
+def arm() -> Arm:
+    """The serve's arm with the racket in its hand."""
+    return Arm(resolve("package://drake_viapoint/arm_with_racket.dmd.yaml"), "racket")
+
+
+@pytest.fixture(scope="session")
+def serve_task() -> ServeTask:
+    """The shipped serve, its scene and its demonstration; tests leave it as they found it."""
+    return ServeTask(ServeScenario())

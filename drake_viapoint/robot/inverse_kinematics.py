@@ -78,8 +78,12 @@ class InverseKinematics:
         q = self._newton(q, reference, target_r, target_p, np.ones_like(q, dtype=bool))
         outside = (q < lower) | (q > upper)
         q = np.clip(q, lower, upper)
-        if outside.any():  # of seven joints one can be held and the pose still be met
-            q = np.clip(self._newton(q, reference, target_r, target_p, ~outside), lower, upper)
+        held = outside.any(axis=1)  # of seven joints one can be held and the pose still be met
+        if held.any():
+            bounded = self._newton(
+                q[held], reference[held], target_r[held], target_p[held], ~outside[held]
+            )
+            q[held] = np.clip(bounded, lower, upper)
         for i in np.nonzero(self._missed(q, target_r, target_p))[0]:
             q[i] = self._nearest(labels[i], target_r[i], target_p[i], reference[i])
         return q
@@ -105,7 +109,9 @@ class InverseKinematics:
             pull = np.sum(null * (q - reference)[rows], axis=1)
             step = (np.linalg.pinv(jacobian) @ error[:, :, None])[:, :, 0] - pull[:, None] * null
             largest = np.max(np.abs(step), axis=1)
-            step *= free[rows] * np.minimum(1.0, _MAX_STEP / np.maximum(largest, _CONVERGED))[:, None]
+            step *= (
+                free[rows] * np.minimum(1.0, _MAX_STEP / np.maximum(largest, _CONVERGED))[:, None]
+            )
             q[rows] += step
             rows = rows[largest >= _CONVERGED]
             if not rows.size:
@@ -142,7 +148,9 @@ class InverseKinematics:
         )
         near = np.clip(fit.x, limits.lower, limits.upper)
         free = (near > limits.lower + 1e-6) & (near < limits.upper - 1e-6)
-        exact = self._newton(near[None], reference[None], target_r[None], target_p[None], free[None])
+        exact = self._newton(
+            near[None], reference[None], target_r[None], target_p[None], free[None]
+        )
         for q in np.clip(exact, limits.lower, limits.upper)[0], near:
             if not self._missed(q[None], target_r[None], target_p[None])[0]:
                 return np.asarray(q)

@@ -157,7 +157,17 @@ class Retargeting:
             f"via-point {numbers[t]}" if t in numbers else f"supplemental via-point at {t:.3f} s"
             for t in map(float, times)
         ]
-        return self._ik.solve(rotation_from_zyz(path[:, 3:]), path[:, :3], labels, near)
+        rotations, positions = rotation_from_zyz(path[:, 3:]), path[:, :3]
+        # via-points first: where one is out of reach, so are points near it, and it is to be named
+        order = np.argsort(~np.isin(times, via_points.times), kind="stable")
+        angles = np.empty((times.size, self._ik.arm.num_joints))
+        angles[order] = self._ik.solve(
+            rotations[order],
+            positions[order],
+            [labels[i] for i in order],
+            None if near is None else near[order],
+        )
+        return angles
 
     def _movement(self, angles: NDArray[np.float64]) -> JointMovement:
         return JointMovement(self._times, angles, minimum_jerk(self._times, angles))

@@ -33,6 +33,7 @@ def random_swing(
     jump: float | None = 1.25,
     ring: float = 6e-3,
     frequency: float = 40.0,
+    kick: float = 0.0,
     duration: float = 1.35,
     start: float = 0.0,
 ) -> Swing:
@@ -45,6 +46,7 @@ def random_swing(
         jump: Of the face's velocity along -y_racket, recovering within 60 ms [m/s]; None: no hit.
         ring: Amplitude of the damped oscillation after it, time constant 15 ms [m].
         frequency: Of that oscillation [Hz].
+        kick: Of the face's velocity, that takes it off its path and back within 20 ms [m/s].
         duration: [s].
         start: Time of the first sample [s].
     """
@@ -68,6 +70,7 @@ def random_swing(
         since = np.maximum(t - t_hit, 0.0)
         recoil = 0.06 * jump * (1.0 - np.exp(-since / 0.06))
         recoil += ring * np.exp(-since / 0.015) * np.sin(2.0 * np.pi * frequency * since)
+        recoil += kick * since * np.exp(-since / 0.02)
         # The hand holds the wrist end: only the two markers on the head are knocked back.
         markers[:, :2] -= (recoil[:, None] * rotation[:, :, 1])[:, None]
     markers += noise / np.sqrt(3.0) * rng.normal(size=markers.shape)

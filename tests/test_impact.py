@@ -13,11 +13,16 @@ from drake_viapoint.errors import ImpactNotFoundError, RacketPoseError
 NEAR = 8e-3  # [s]
 
 
-@pytest.mark.parametrize("rate", [100.0, 250.0, 500.0, 1000.0])
-@pytest.mark.parametrize("noise", [0.0, 1e-3, 2e-3])
-def test_a_jolt_is_found_near_its_time(rate: float, noise: float) -> None:
-    for seed in range(5):
-        swing = random_swing(seed, rate=rate, noise=noise, jump=1.25)
+@pytest.mark.parametrize(
+    ("rate", "noise"),
+    [(rate, noise) for rate in (100.0, 250.0, 500.0, 1000.0) for noise in (0.0, 1e-3, 2e-3)],
+)
+@pytest.mark.parametrize(
+    "hit", [{"jump": 1.25}, {"jump": 0.0, "ring": 0.0, "kick": 1.5}], ids=["jump", "kick"]
+)
+def test_a_jolt_is_found_near_its_time(rate: float, noise: float, hit: dict[str, float]) -> None:
+    for seed in range(4):
+        swing = random_swing(seed, rate=rate, noise=noise, **hit)
         assert abs(find_impact(swing.recording) - swing.t_hit) < NEAR
 
 

@@ -1,11 +1,14 @@
 """The time of the hit, from the spike in the racket's acceleration (paper 2.1.1, Fig. 2).
 
-The ball strikes the face along its normal: the velocity of the face jumps back, recovers within
-some 60 ms under the hand's force, and the racket rings. `find_impact` looks for an onset of that
-shape in the unfiltered path of the face's centre along the normal. Around every instant the path
-is fitted by a cubic, which stands for the movement, plus a ring and a recovering jump that begin
-there; the score is how much the two add to the fit, in units of what they add elsewhere (median
-over the recording). So the threshold needs no knowledge of the noise or of the rate.
+The ball strikes the face along its normal: the velocity of the face jumps back, the hand recovers
+the velocity (a jump) or even the path (a kick) within some tens of milliseconds, and the racket
+rings. `find_impact` looks for an onset of that shape in the unfiltered path of the face's centre
+along the normal, in two steps. First, around every instant, the path is fitted by a cubic, which
+stands for the movement, plus a ring and a jump, or a ring and a kick, that begin there; the score
+is how much the two add to the fit, in units of what they add elsewhere (median over the recording).
+So the threshold needs no knowledge of the noise or of the rate. Second, the onset is moved within
+the same data, around the best score, to where the fit is best: the score alone tells that there was
+an impact, but is as high on its flanks.
 
 Taking the largest peak of a second derivative over 28 ms instead misplaces the hit by more than
 8 ms in a quarter of recordings with 2 mm of noise: the ring's later swings are peaks as well.
@@ -13,6 +16,7 @@ Taking the largest peak of a second derivative over 28 ms instead misplaces the 
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -31,25 +35,40 @@ from drake_viapoint.errors import ImpactNotFoundError, RacketPoseError
 
 THRESHOLD = 5.0
 """Score that an impact needs [-]; see `find_impact` for the rates that follow."""
-HALF_WINDOW = 0.06
-"""Reach of the local fit before and after the onset [s]."""
+DETECTION_REACH = 0.06
+"""Reach of the first fit before and after an onset, with a cubic for the movement [s]."""
+TIMING_REACH = 0.12
+"""Reach of the second fit around the best score, with a quintic for the movement [s]."""
+TIMING_SEARCH = 0.04
+"""The onset is sought this far from the best score [s]."""
+ONSET_STEP = 1e-3
+"""Onsets are tried this far apart [s]."""
 RING_FREQUENCY = 40.0
 """Frequency of a hand-held racket's ring; 30-60 Hz are found as well [Hz, assumed]."""
 RING_DECAY = 0.015
 """Time constant of the ring; 10-25 ms are found as well [s, assumed]."""
-RECOVERY = 0.06
-"""Time constant with which the velocity recovers from the jump [s, assumed]."""
+JUMP_RECOVERY = 0.06
+"""Time constant of a velocity that recovers from its jump, the path staying displaced
+[s, assumed]."""
+KICK_RETURN = 0.02
+"""Time constant of a path that is left at once and returned to; 12-30 ms are found as well
+[s, assumed]."""
 SMALLEST_NOISE = 1e-4
 """Noise of the face's centre assumed at the least, so that a recording without any is not all
 spikes [m]."""
 SLOWEST_RATE = 2.0 * RING_FREQUENCY
 """Below this the ring is not sampled [Hz]."""
-ONSET_STEP = 1e-3
-"""Onsets are tried this far apart, or at every sample where samples are closer [s]."""
 DERIVATIVE_WINDOW = 0.028
 """Width of the parabola whose derivatives `racket_centre_derivatives` takes [s]."""
-MEDIAN_OF_TWO = np.sqrt(2.0 * np.log(2.0))
+MEDIAN_OF_TWO = float(np.sqrt(2.0 * np.log(2.0)))
 """Median length of a vector of two independent standard normal numbers [-]."""
+
+
+class Recovery(Enum):
+    """What the hand gives back to the racket after the ball has struck it."""
+
+    JUMP = "its velocity"
+    KICK = "its path"
 
 
 class RacketCentreDerivatives(NamedTuple):
@@ -109,13 +128,14 @@ def find_impact(
     """Time of the hit, t_HIT.
 
     Measured on the 300 swings of tests/synthetic_swing.py with seeds 1000-1299, at 250 Hz with 2 mm
-    of marker noise (root mean square over three dimensions): no false alarm without a hit; a jump
-    of 1 m/s with a ring of 6 mm is found in 300 (299 within 8 ms; median error 0.7 ms), the ring
-    without a lasting jump in 284 (275; 0.5 ms). With 1 mm of noise both are found in all, within
-    2 ms, and no false alarm. With 2 mm at 100 Hz the ring alone is mostly missed.
+    of marker noise (root mean square over three dimensions), as found / within 8 ms / median error:
+    a jump of 1 m/s with a ring of 6 mm 300 / 300 / 0.3 ms, a kick of 1.5 m/s 300 / 300 / 0.5 ms,
+    the ring alone 287 / 284 / 0.4 ms, no hit 0. With 1 mm of noise: the ring alone 300 / 300 /
+    0.3 ms, no hit 0. Of 100 at 100 Hz with 2 mm: jump 99 / 98, kick 100 / 99, ring 34 / 31, no hit
+    0; of 100 at 500 Hz with 2 mm, no hit 1.
 
     Args:
-        recording: The markers; the hit is at least `HALF_WINDOW` from both ends.
+        recording: The markers; the hit is at least `DETECTION_REACH` from both ends.
         markers: Which markers, in which roles.
         threshold: Score that an impact needs [-].
 
@@ -135,23 +155,25 @@ def find_impact(
         raise ImpactNotFoundError(
             f"{rate:.4g} Hz is too slow to see one, {SLOWEST_RATE:.0f} Hz are needed"
         )
-    reach = int(np.ceil(HALF_WINDOW * rate))
+    reach = int(np.ceil(DETECTION_REACH * rate))
     if len(times) < 4 * reach:
         raise ImpactNotFoundError(f"{len(times)} samples at {rate:.4g} Hz are too few to see one")
     rotation, _ = fit_rigid_body(low_passed(points, rate), body)
-    # Within a window the normal is that of its middle: turning it would bend a straight path.
-    normals = rotation[reach:-reach, :, 1]
+    normals = rotation[:, :, 1]
     centre = points[:, :2].mean(axis=1)
-    delays = np.arange(0.0, 1.0 / rate - 1e-9, min(ONSET_STEP, 1.0 / rate))
+    delays = np.arange(0.0, 1.0 / rate - 1e-9, ONSET_STEP)
     scores = np.stack([_scores(centre, normals, rate, reach, delay) for delay in delays])
-    delay, sample = np.unravel_index(np.argmax(scores), scores.shape)
-    time = float(times[reach + sample] + delays[delay])
-    best = float(scores[delay, sample])
+    delay, start = np.unravel_index(np.argmax(scores), scores.shape)
+    best, sample = float(scores[delay, start]), reach + int(start)
     if best < threshold:
         raise ImpactNotFoundError(
-            f"the strongest spike, at {time:.3f} s, scores {best:.1f} where {threshold:g} is needed"
+            f"the strongest spike, at {times[sample]:.3f} s, scores {best:.1f} where {threshold:g} "
+            "is needed"
         )
-    return time
+    offset = times - times[sample]
+    near = np.abs(offset) <= TIMING_REACH
+    path = centre[near] @ normals[sample]
+    return float(times[sample]) + _onset(offset[near], path, float(delays[delay]))
 
 
 def _scores(
@@ -162,21 +184,43 @@ def _scores(
     delay: float,
 ) -> NDArray[np.float64]:
     """Scores of an onset `delay` after each sample that is `reach` samples from both ends."""
-    shapes = _impact_shapes(rate, reach, delay)
+    time = np.arange(-reach, reach + 1) / rate
     windows = np.lib.stride_tricks.sliding_window_view(centre, 2 * reach + 1, axis=0)
-    along_normal = np.einsum("nal,na->nl", windows, normals)
-    gain: NDArray[np.float64] = np.linalg.norm(along_normal @ shapes, axis=1)  # [m]
-    noise = max(float(np.median(gain)) / MEDIAN_OF_TWO, SMALLEST_NOISE)
-    scores: NDArray[np.float64] = gain / noise
+    # Within a window the normal is that of its middle: turning it would bend a straight path.
+    along_normal = np.einsum("nal,na->nl", windows, normals[reach:-reach])
+    scores = np.zeros(len(along_normal))
+    for recovery in Recovery:
+        shapes = _impact_shapes(time, delay, recovery, degree=3)
+        gain = np.linalg.norm(along_normal @ shapes, axis=1)  # [m]
+        noise = max(float(np.median(gain)) / MEDIAN_OF_TWO, SMALLEST_NOISE)
+        scores = np.maximum(scores, gain / noise)
     return scores
 
 
-def _impact_shapes(rate: float, reach: int, delay: float) -> NDArray[np.float64]:
-    """The ring and the recovering jump, orthonormal and clear of cubics: (2 reach + 1, 2) [-]."""
-    time = np.arange(-reach, reach + 1) / rate
-    since = np.maximum(time - delay, 0.0)
+def _onset(time: NDArray[np.float64], path: NDArray[np.float64], guess: float) -> float:
+    """The onset near a guess at which the shapes fit a path (n,) [m] best, by least squares."""
+    onsets = guess + np.arange(-TIMING_SEARCH, TIMING_SEARCH + ONSET_STEP / 2, ONSET_STEP)
+    # A jump and a kick together would fit too much: either of them, from a wrong onset, as well.
+    gains = [
+        max(
+            float(np.linalg.norm(path @ _impact_shapes(time, onset, recovery, degree=5)))
+            for recovery in Recovery
+        )
+        for onset in onsets
+    ]
+    return float(onsets[np.argmax(gains)])
+
+
+def _impact_shapes(
+    time: NDArray[np.float64], onset: float, recovery: Recovery, degree: int
+) -> NDArray[np.float64]:
+    """Ring, and jump or kick, from an onset, orthonormal and clear of polynomials: (n, 2) [-]."""
+    since = np.maximum(time - onset, 0.0)
     ring = np.exp(-since / RING_DECAY) * np.sin(2.0 * np.pi * RING_FREQUENCY * since)
-    jump = 1.0 - np.exp(-since / RECOVERY)
-    cubic = np.vander(time * rate / reach, 4)
-    basis, _ = np.linalg.qr(np.column_stack([cubic, ring, jump]))
-    return basis[:, 4:]
+    if recovery is Recovery.JUMP:
+        recoil = 1.0 - np.exp(-since / JUMP_RECOVERY)
+    else:
+        recoil = since / KICK_RETURN * np.exp(-since / KICK_RETURN)
+    movement = np.vander(time / np.max(np.abs(time)), degree + 1)
+    basis, _ = np.linalg.qr(np.column_stack([movement, ring, recoil]))
+    return basis[:, degree + 1 :]

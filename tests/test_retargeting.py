@@ -65,7 +65,7 @@ def test_the_tool_keeps_to_its_path_within_the_thresholds(
 
 
 def test_supplemental_via_points_are_needed_and_suffice(
-    arm: Arm, ik: InverseKinematics, sweep: ViaPoints
+    ik: InverseKinematics, sweep: ViaPoints
 ) -> None:
     """Each is put where the tool strays most without it; the last one is not superfluous."""
     retargeting = Retargeting(ik, sweep)

@@ -5,6 +5,7 @@ Imports of the science stand inside the commands, so that ``--help`` answers at 
 
 from __future__ import annotations
 
+import logging
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,8 @@ _EXISTING = click.Path(path_type=Path)
 
 def main() -> None:
     """Entry point: errors become one line on stderr and exit code 2."""
+    # Meshcat would name its port; a level would not outlive the import of Drake
+    logging.getLogger("drake").addFilter(lambda record: record.levelno >= logging.WARNING)
     try:
         code = cli.main(standalone_mode=False)
     except click.exceptions.Abort:

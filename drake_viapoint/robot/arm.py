@@ -66,6 +66,7 @@ class Arm:
         self._context = plant.CreateDefaultContext()
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         moving = sorted((j for j in joints if j.num_velocities()), key=lambda j: j.velocity_start())
+        self._joints = moving
         self.joint_names: tuple[str, ...] = tuple(joint.name() for joint in moving)
         self.limits = JointLimits(
             plant.GetPositionLowerLimits(),
@@ -86,6 +87,13 @@ class Arm:
         self.plant.SetPositions(self._context, q)
         pose = self._tool.CalcPoseInWorld(self._context)
         return ToolPose(pose.rotation().matrix(), pose.translation())
+
+    def joint_positions(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Where the joints and the tool are (k + 1, 3) [m] at q (k,) [rad]: the stick figure."""
+        self.plant.SetPositions(self._context, q)
+        frames = [*(joint.frame_on_child() for joint in self._joints), self._tool]
+        places = [frame.CalcPoseInWorld(self._context).translation() for frame in frames]
+        return np.array(places)
 
     def tool_motion(self, q: ArrayLike, v: ArrayLike) -> ToolMotion:
         """Pose and velocity of the tool at q (k,) [rad] and v (k,) [rad/s]."""

@@ -42,13 +42,9 @@ class ArmMotion:
 
     def __init__(self, segments: Sequence[MotionSegment]) -> None:
         self.segments = tuple(segments)
-        pieces = [
-            BPoly.from_derivatives(s.times, np.stack([s.q, s.v, s.acceleration], axis=1))
-            for s in self.segments
-        ]
-        self._q = pieces[0]
-        for piece in pieces[1:]:
-            self._q.extend(piece.c, piece.x[1:])
+        self._q = _hermite(self.segments[0])
+        for segment in self.segments[1:]:
+            self._q.extend(_hermite(segment).c, segment.times[1:])
         self._v = self._q.derivative()
         self.start = float(self._q.x[0])
         self.end = float(self._q.x[-1])
@@ -67,3 +63,16 @@ class ArmMotion:
         """Motion of the arm's tool at times (n,) [s]."""
         t = np.atleast_1d(np.asarray(times, dtype=np.float64))
         return [arm.tool_motion(q, v) for q, v in zip(self.q(t), self.v(t), strict=True)]
+
+
+def _hermite(segment: MotionSegment) -> BPoly:
+    """The quintics between the steps, by their Bernstein coefficients.
+
+    ``BPoly.from_derivatives`` does the same piece by piece, in a third of a trial's time.
+    """
+    h = np.diff(segment.times)[:, None]
+    q0, q1 = segment.q[:-1], segment.q[1:]
+    v0, v1 = segment.v[:-1] * h / 5, segment.v[1:] * h / 5
+    a0, a1 = segment.acceleration[:-1] * h**2 / 20, segment.acceleration[1:] * h**2 / 20
+    coefficients = [q0, q0 + v0, q0 + 2 * v0 + a0, q1 - 2 * v1 + a1, q1 - v1, q1]
+    return BPoly(np.array(coefficients), segment.times)

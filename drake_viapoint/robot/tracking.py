@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import BsplineBasis
@@ -92,8 +94,12 @@ class Tracking:
             )
         self._source.UpdateTrajectory(drake_trajectory(trajectory))
 
-    def torque_wanted(self, context: Context) -> NDArray[np.float64]:
-        """Torque (k,) [N m] before clamping, in a context of the whole diagram."""
+    def torque_before_clamping(self, context: Context) -> Callable[[], NDArray[np.float64]]:
+        """A function of no argument that reads the torque (k,) [N m] before it is clamped.
+
+        Args:
+            context: Of the whole diagram; the function always reads this one.
+        """
         own = self._controller.GetMyContextFromRoot(context)
-        torque: NDArray[np.float64] = self._controller.get_output_port_control().Eval(own)
-        return torque
+        port = self._controller.get_output_port_control()
+        return lambda: port.Eval(own)

@@ -11,7 +11,7 @@ from typing import Any
 from drake_viapoint import __version__
 from drake_viapoint.errors import RunFolderError
 from drake_viapoint.packages import resolve
-from drake_viapoint.runs.run_folder import SCENARIO, RunFolder
+from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, RunFolder
 from drake_viapoint.tasks.scenario import dump_scenario, load_scenario
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 
@@ -95,6 +95,22 @@ def resume(path: Path, changes: ServeChanges | None = None) -> tuple[RunFolder, 
         folder.close()
         raise
     return folder, scenario
+
+
+def begin_or_resume(path: Path, scenario: ServeScenario) -> tuple[RunFolder, ServeScenario]:
+    """The run of a scenario in a folder: gone on with if it is there, begun if not.
+
+    Raises:
+        RunFolderError: The folder holds another scenario's run, or cannot be written.
+    """
+    if not (path / TRIALS).exists():
+        return begin(path, scenario), scenario
+    folder, recorded = resume(path)
+    scenario.made_with = recorded.made_with
+    if dump_scenario(recorded) != dump_scenario(scenario):
+        folder.close()
+        raise RunFolderError(path, "holds a run of another scenario; name another folder")
+    return folder, recorded
 
 
 def read_scenario(path: Path) -> ServeScenario:

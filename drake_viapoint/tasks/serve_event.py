@@ -56,31 +56,42 @@ class _Log:
     """Joint states at the integrator's steps, read by the simulator's monitor.
 
     What it asks the plant for, the integrator needs for its next step anyway.
+
+    Args:
+        scene: The diagram.
+        context: The simulator's, which all steps change in place.
     """
 
-    def __init__(self, scene: ServeScene) -> None:
-        self._scene = scene
-        self._port = scene.plant.get_generalized_acceleration_output_port(scene.instance)
+    def __init__(self, scene: ServeScene, context: Context) -> None:
+        plant = scene.plant
+        self._root = context
+        self._own = plant.GetMyContextFromRoot(context)
+        self._state = plant.get_state_output_port(scene.instance)
+        self._acceleration = plant.get_generalized_acceleration_output_port(scene.instance)
+        self._torque = scene.tracking.torque_before_clamping(context)
         self._effort = scene.arm.limits.effort
-        self.clamped = np.zeros(scene.arm.num_joints, dtype=bool)
         self.times: list[float] = []
         self._states: list[NDArray[np.float64]] = []
+        self._torques: list[NDArray[np.float64]] = []
 
-    def add(self, context: Context) -> None:
-        plant, instance = self._scene.plant, self._scene.instance
-        own = plant.GetMyContextFromRoot(context)
-        self.times.append(context.get_time())
-        state = plant.GetPositionsAndVelocities(own, instance)
-        self._states.append(np.concatenate([state, self._port.Eval(own)]))
-        self.clamped |= np.abs(self._scene.tracking.torque_wanted(context)) > self._effort
+    def add(self) -> None:
+        self.times.append(self._root.get_time())
+        self._states.append(
+            np.concatenate([self._state.Eval(self._own), self._acceleration.Eval(self._own)])
+        )
+        self._torques.append(self._torque())
 
     def drop_last(self) -> None:
-        self.times.pop()
-        self._states.pop()
+        for rows in (self.times, self._states, self._torques):
+            rows.pop()
 
     def segment(self) -> MotionSegment:
         q, v, acceleration = np.split(np.array(self._states), 3, axis=1)
         return MotionSegment(np.array(self.times), q, v, acceleration)
+
+    def clamped(self) -> NDArray[np.bool_]:
+        wanted: NDArray[np.bool_] = np.any(np.abs(self._torques) > self._effort, axis=0)
+        return wanted
 
 
 class EventExecution:
@@ -130,24 +141,26 @@ class EventExecution:
         ApplySimulatorConfig(self._config, simulator)
         end = float(movement.times[-1])
 
-        carrying = _Log(scene)
+        carrying = _Log(scene, context)
         release = self._carry(carrying, end)
         if release is None:
-            return ArmMotion([carrying.segment()]), None, carrying.clamped
-        swinging = _Log(scene)
+            return ArmMotion([carrying.segment()]), None, carrying.clamped()
+        swinging = _Log(scene, context)
         scene.unload_ball(own)
         self._advance(swinging, end)
         segments = [carrying.segment(), swinging.segment()]
         if len(swinging.times) < 2:  # released at the very end
             segments.pop()
-        return ArmMotion(segments), release, carrying.clamped | swinging.clamped
+        return ArmMotion(segments), release, carrying.clamped() | swinging.clamped()
 
     def _advance(self, log: _Log, end: float) -> None:
         simulator = self._simulator
 
-        def record(context: Context) -> EventStatus:
-            log.add(context)
-            return EventStatus.DidNothing()
+        nothing = EventStatus.DidNothing()
+
+        def record(_: Context) -> EventStatus:
+            log.add()
+            return nothing
 
         simulator.set_monitor(record)
         simulator.Initialize()  # also reports the first state to the monitor
@@ -158,16 +171,19 @@ class EventExecution:
         """Move until the cup would have to pull the ball; the context is left at that time."""
         simulator = self._simulator
         context = simulator.get_mutable_context()
+        own = self._scene.plant.GetMyContextFromRoot(context)
         pushes: list[float] = []
         before: list[NDArray[np.float64]] = []
 
-        def record(context: Context) -> EventStatus:
-            log.add(context)
-            pushes.append(self._push(context))
+        nothing = EventStatus.DidNothing()
+
+        def record(_: Context) -> EventStatus:
+            log.add()
+            pushes.append(self._push(own))
             if pushes[-1] < 0:
                 return EventStatus.ReachedTermination(self._scene.diagram, "the cup would pull")
             before[:] = [context.get_continuous_state_vector().CopyToVector()]
-            return EventStatus.DidNothing()
+            return nothing
 
         simulator.set_monitor(record)
         simulator.Initialize()
@@ -184,14 +200,14 @@ class EventExecution:
         def push_at(time: float) -> float:
             if time not in known:
                 self._integrate(last, before[0], time)
-                known[time] = self._push(context)
+                known[time] = self._push(own)
             return known[time]
 
         release = float(brentq(push_at, last, over, xtol=_RELEASE_TOLERANCE))
         self._integrate(last, before[0], release)
         log.drop_last()
         if release > last:
-            log.add(context)
+            log.add()
         return release
 
     def _integrate(self, start: float, state: NDArray[np.float64], end: float) -> None:
@@ -202,10 +218,9 @@ class EventExecution:
         self._simulator.Initialize()
         self._simulator.AdvanceTo(end)
 
-    def _push(self, context: Context) -> float:
-        """Push of the cup along its opening, per mass of the ball [m/s2]."""
+    def _push(self, own: Context) -> float:
+        """Push of the cup along its opening, per mass of the ball [m/s2], in a plant's context."""
         plant, scene = self._scene.plant, self._scene
-        own = plant.GetMyContextFromRoot(context)
         acceleration = plant.EvalBodySpatialAccelerationInWorld(own, scene.ball).translational()
         # the ball sits in the cup with the cup's own orientation: its z is the opening
         opening = plant.EvalBodyPoseInWorld(own, scene.ball).rotation().col(2)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from drake_viapoint.tasks.flight import Flight, fly
 from drake_viapoint.tasks.racket import Face, RacketMotion
 
-_SEARCH_STEP = 0.004  # [s] finer than any crossing back and forth: at 5 m/s the ball moves 2 cm
+_SEARCH_STEP = 0.01  # [s] finer than any crossing back and forth: at 5 m/s the ball moves 5 cm
 
 
 @dataclass(frozen=True)

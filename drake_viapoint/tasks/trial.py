@@ -51,11 +51,30 @@ class Task(Protocol):
     A trial is a pure function of the task's scenario, the via-points and the seed.
     """
 
-    name: str
-    via_points: ViaPoints
-    subtasks: Sequence[Subtask]
-    successes: int
-    repeats: int
+    @property
+    def name(self) -> str:
+        """What the command line calls it."""
+        ...
+
+    @property
+    def via_points(self) -> ViaPoints:
+        """Of the first trial."""
+        ...
+
+    @property
+    def subtasks(self) -> Sequence[Subtask]:
+        """In the order in which the movement meets them."""
+        ...
+
+    @property
+    def successes(self) -> int:
+        """So many successful trials in a row and the task is learned."""
+        ...
+
+    @property
+    def repeats(self) -> int:
+        """So many further trials of what was learned."""
+        ...
 
     def execute(self, via_points: ViaPoints, seed: int) -> Trial:
         """Execute one trial; whatever comes of it, it is a trial and no exception."""

@@ -1,0 +1,129 @@
+"""The serve learned from many virtual persons: how often, how fast, and why not."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from drake_viapoint.errors import ViapointError
+from drake_viapoint.runs.learning_run import learn
+from drake_viapoint.runs.run_folder import read_trials
+from drake_viapoint.runs.serve_run import ServeChanges, begin_or_resume, serve_scenario
+from drake_viapoint.tasks.serve import ServeTask
+
+MAX_TRIALS = 60
+"""Trials within which the paper's robot learned its serve."""
+
+
+@dataclass(frozen=True)
+class PersonResult:
+    """What came of learning from one person.
+
+    Attributes:
+        person: Number of the virtual person.
+        first_outcome: How the first trial ended.
+        first_d: Its distance of the ball from the face's centre [m].
+        first_landing_error: Its distance from the goal [m], None if it did not land.
+        learned_at: Trial that completed three successes in a row, None if not learned.
+        trials: Trials executed, repeats included.
+        reason: Why it was not learned; empty if it was.
+    """
+
+    person: int
+    first_outcome: str
+    first_d: float | None
+    first_landing_error: float | None
+    learned_at: int | None
+    trials: int
+    reason: str
+
+
+def study_persons(
+    out: Path, number: int, on_person: Callable[[], None] | None = None
+) -> list[PersonResult]:
+    """Learn the serve from persons 0 to number - 1, each in a run folder of its own.
+
+    Runs that are there already, whole or interrupted, are not done again.
+
+    Args:
+        out: Folder of the run folders.
+        number: How many persons.
+        on_person: Called after each.
+    """
+    results = []
+    for person in range(number):
+        results.append(_study(out / f"person{person:02d}", person))
+        if on_person is not None:
+            on_person()
+    return results
+
+
+def _study(path: Path, person: int) -> PersonResult:
+    reason, learned_at = "", None
+    try:
+        folder, scenario = begin_or_resume(path, serve_scenario(None, ServeChanges(person=person)))
+        with folder:
+            result = learn(ServeTask(scenario), folder, seed=scenario.seed, max_trials=MAX_TRIALS)
+        learned_at = result.learned_at
+        if learned_at is None:
+            last = read_trials(path)[-1]
+            reason = f"after {MAX_TRIALS} trials: {last['outcome']}, d = {last['d']}"
+    except ViapointError as error:
+        reason = str(error)
+    records = read_trials(path) if (path / "trials.jsonl").is_file() else []
+    first = records[0] if records else {}
+    return PersonResult(
+        person,
+        str(first.get("outcome", "not executed")),
+        first.get("d"),
+        first.get("landing_error"),
+        learned_at,
+        len(records),
+        reason,
+    )
+
+
+def write_table(results: Sequence[PersonResult], path: Path) -> Path:
+    """Write the results as CSV."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, [field.name for field in fields(PersonResult)])
+        table.writeheader()
+        table.writerows(asdict(result) for result in results)
+    return path
+
+
+def summary(results: Sequence[PersonResult]) -> str:
+    """Success, median and worst count in one line."""
+    counts = [result.learned_at for result in results if result.learned_at is not None]
+    if not counts:
+        return f"none of {len(results)} virtual persons' serves was learned"
+    return (
+        f"{len(counts)} of {len(results)} virtual persons' serves learned within {MAX_TRIALS} "
+        f"trials: median trial {np.median(counts):g}, worst {max(counts)}"
+    )
+
+
+def draw(results: Sequence[PersonResult]) -> Figure:
+    """Draw at which trial each person's serve was learned."""
+    figure = Figure(figsize=(8, 3.4), layout="constrained")
+    ax = figure.subplots()
+    persons = [r.person for r in results if r.learned_at is not None]
+    counts = [r.learned_at for r in results if r.learned_at is not None]
+    failed = [r.person for r in results if r.learned_at is None]
+    ax.bar(persons, counts, color="tab:blue", label="third success in a row")
+    ax.plot(failed, [MAX_TRIALS] * len(failed), "x", color="tab:red", label="not learned")
+    if counts:
+        median = float(np.median(counts))
+        ax.axhline(median, color="k", linestyle="--", linewidth=0.8, label=f"median {median:g}")
+    ax.axhline(MAX_TRIALS, color="0.6", linestyle=":", linewidth=0.8)
+    ax.set_xlabel("virtual person (synthetic demonstrations)")
+    ax.set_ylabel("trials, exploration included")
+    ax.set_xticks([r.person for r in results])
+    ax.legend(fontsize=8)
+    return figure

@@ -75,8 +75,9 @@ class ThrowLearning:
     regularization: float = 1e-4
     """lambda of the generalised inverse [m2], for a Jacobian in metres a perturbation: a direction
     in which one perturbation moves the ball by less than 1 cm is hardly used [assumed]."""
-    reached: float = 0.05
-    """Subtask 2 starts once d is below this [assumed]."""
+    reached: float = 0.03
+    """Subtask 2 starts once d is below this: it moves d by up to 2 cm, and 5 cm is the bar
+    [assumed]."""
 
 
 @dataclass
@@ -90,7 +91,7 @@ class StrikeLearning:
     taper_start: float = 0.05
     gate: float = 0.1
     """The gain falls from taper_start to 0 at this d; a trial beyond serves subtask 1."""
-    regularization: float = 1e-4
+    regularization: float = 3e-5
 
 
 @dataclass

@@ -13,13 +13,20 @@ from drake_viapoint.reproduction.style import DEMONSTRATED, OURS, VIA_POINT
 _STEPS = 3
 
 
-def draw(times: NDArray[np.float64], values: NDArray[np.float64], extraction: Extraction) -> Figure:
+def draw(
+    times: NDArray[np.float64],
+    values: NDArray[np.float64],
+    extraction: Extraction,
+    *,
+    note: str = "",
+) -> Figure:
     """Draw the first steps of an extraction.
 
     Args:
         times: (n,) of the samples [s].
         values: (n, d) samples; the first three dimensions are drawn.
         extraction: What was found in them.
+        note: Of the samples' origin, for the title.
     """
     names = extraction.via_points.names[:3]
     steps = min(_STEPS, len(extraction.found) - 1)
@@ -55,5 +62,5 @@ def draw(times: NDArray[np.float64], values: NDArray[np.float64], extraction: Ex
     axes[0][0].legend(fontsize=7)
     for ax in axes[-1]:
         ax.set_xlabel("time [s]")
-    figure.suptitle("Dashed: largest error, where the next via-point is added", fontsize=9)
+    figure.suptitle(f"Dashed: largest error, where the next via-point is added{note}", fontsize=9)
     return figure

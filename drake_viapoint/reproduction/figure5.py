@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drake_viapoint.motion.minimum_jerk import minimum_jerk
-from drake_viapoint.reproduction.style import DEMONSTRATED, OURS, VIA_POINT
+from drake_viapoint.reproduction.style import DEMONSTRATED, OURS, SYNTHETIC, VIA_POINT
 from drake_viapoint.robot.retargeting import JointMovement
 from drake_viapoint.tasks.serve import ServeTask
 
@@ -59,4 +59,6 @@ def draw(task: ServeTask) -> Figure:
     axes[1][0].legend(fontsize=7)
     for ax in axes[-1]:
         ax.set_xlabel("time [s]")
+    note = f" ({SYNTHETIC})" if task.watched.synthetic else ""
+    figure.suptitle(f"From racket path to joints{note}", fontsize=10)
     return figure

@@ -23,8 +23,10 @@ def draw(task: ServeTask, columns: Mapping[str, Sequence[ServeTrial]]) -> Figure
         task: Whose arm and goal.
         columns: Title of each column, and the trials superimposed in it.
     """
-    figure = Figure(figsize=(3.6 * len(columns), 9.5), layout="constrained")
-    axes = figure.subplots(3, len(columns), squeeze=False, sharex="row", sharey="row")
+    figure = Figure(figsize=(3.6 * len(columns), 11), layout="constrained")
+    axes = figure.subplots(
+        3, len(columns), squeeze=False, sharex="row", sharey="row", height_ratios=[3, 2, 1.3]
+    )
     for column, (title, trials) in enumerate(columns.items()):
         axes[0][column].set_title(title, fontsize=10)
         for row, (across, up, i, j) in enumerate(_VIEWS):
@@ -35,14 +37,24 @@ def draw(task: ServeTask, columns: Mapping[str, Sequence[ServeTrial]]) -> Figure
             ax.set_aspect("equal", adjustable="box")
             ax.set_xlabel(f"{across} [m]")
             ax.set_ylabel(f"{up} [m]")
-    axes[0][0].legend(fontsize=7, loc="upper left")
+    handles, labels = axes[0][0].get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=5, fontsize=9)
     return figure
 
 
 def _draw_trial(ax: Axes, task: ServeTask, trial: ServeTrial, i: int, j: int) -> None:
     q = trial.motion.q(trial.hit_time)
     joints = task.scene.arm.joint_positions(q)
-    ax.plot(joints[:, i], joints[:, j], "o-", color="0.3", linewidth=2, markersize=3)
+    ax.plot(
+        joints[:, i],
+        joints[:, j],
+        "o-",
+        color="0.3",
+        linewidth=2,
+        markersize=3,
+        label="arm at $t_{HIT}$",
+    )
     tool = task.scene.arm.tool_pose(q)
     turn = np.linspace(0, 2 * np.pi, 60)
     robot = task.scenario.robot
@@ -65,3 +77,4 @@ def _draw_goal(ax: Axes, task: ServeTask, i: int, j: int) -> None:
     ax.add_patch(
         Ellipse((ring[i], ring[j]), width, height, fill=False, edgecolor="tab:orange", linewidth=2)
     )
+    ax.plot([], [], color="tab:orange", linewidth=2, label="goal")

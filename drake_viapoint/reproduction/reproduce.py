@@ -132,7 +132,7 @@ def _figures(
     learning = task.scenario.learning
     return {
         "figure2": figure2.draw(watched),
-        "figure3": figure3.draw(times, watched.pose.values, watched.extraction),
+        "figure3": figure3.draw(times, watched.pose.values, watched.extraction, note=note),
         "figure4": figure4.draw(
             times,
             watched.pose.values,

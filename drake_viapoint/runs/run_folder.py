@@ -8,16 +8,23 @@ the folder is opened again, and its trial done again.
 from __future__ import annotations
 
 import fcntl
+import io
 import json
+import math
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Literal
 
 from drake_viapoint.errors import RunFolderError
 
 SCENARIO = "scenario.yaml"
 TRIALS = "trials.jsonl"
+
+_BEGINNING = ".scenario.yaml"  # becomes the scenario once it is whole
+_KEYS = frozenset(
+    {"trial", "purpose", "subtask", "outcome", "success", "d", "via_points", "seed"}
+)  # of every line, whatever the task; its task variables come on top
 
 
 class RunFolder:
@@ -28,29 +35,20 @@ class RunFolder:
         scenario_file: Its scenario.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, file: io.FileIO) -> None:
         self.path = path
         self.scenario_file = path / SCENARIO
-        try:
-            self._file = (path / TRIALS).open("r+b")
-        except OSError as error:
-            raise RunFolderError(path, f"{error.strerror}: {TRIALS}") from error
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            self._file.close()
-            raise RunFolderError(path, "another process is writing to this run") from error
-        try:
-            self._trials, length = _whole_lines(path, self._file.read())
-            self._file.truncate(length)
-            self._file.seek(length)
-        except BaseException:
-            self._file.close()
-            raise
+        self._file = file
+        self._trials, length = _whole_lines(path, file.readall())
+        file.truncate(length)
+        file.seek(length)
 
     @classmethod
     def create(cls, path: Path, scenario: str) -> RunFolder:
         """Make the folder of a new run.
+
+        The scenario comes last and whole: a folder that has one holds a run, and what a creation
+        cut short leaves behind is no obstacle to the next.
 
         Args:
             path: A folder that does not exist or is empty.
@@ -59,18 +57,24 @@ class RunFolder:
         Raises:
             RunFolderError: The folder holds something already or cannot be written.
         """
-        if (path / TRIALS).exists():
-            raise RunFolderError(path, "holds a run already; go on with --resume or name another")
         try:
             path.mkdir(parents=True, exist_ok=True)
-            if any(path.iterdir()):
-                raise RunFolderError(path, "is not empty; name another folder")
-            # the trials come last: a folder that has them has its scenario whole
-            _write(path / SCENARIO, scenario)
-            _write(path / TRIALS, "")
+            _check_free(path)
+            file = _locked(path, "a+b")
+            try:
+                _check_free(path)  # now that nobody else can begin a run here
+                with (path / _BEGINNING).open("w", encoding="utf-8") as beginning:
+                    beginning.write(scenario)
+                    beginning.flush()
+                    os.fsync(beginning.fileno())
+                (path / _BEGINNING).replace(path / SCENARIO)
+                _sync_folder(path)
+            except BaseException:
+                file.close()
+                raise
         except OSError as error:
             raise RunFolderError(path, f"cannot be written: {error.strerror}") from error
-        return cls(path)
+        return cls(path, file)
 
     @classmethod
     def open(cls, path: Path) -> RunFolder:
@@ -82,39 +86,50 @@ class RunFolder:
         for name in (SCENARIO, TRIALS):
             if not (path / name).is_file():
                 raise RunFolderError(path, f"holds no run: there is no {name}")
-        return cls(path)
+        try:
+            file = _locked(path, "r+b")
+        except OSError as error:
+            raise RunFolderError(path, f"{TRIALS} cannot be written: {error.strerror}") from error
+        try:
+            return cls(path, file)
+        except BaseException:
+            file.close()
+            raise
 
     @property
     def trials(self) -> tuple[dict[str, Any], ...]:
         """Records of the trials so far."""
         return tuple(self._trials)
 
-    def append(self, record: dict[str, Any]) -> None:
+    def append(self, record: dict[str, Any]) -> dict[str, Any]:
         """Put a trial's record on the disk.
+
+        Numbers that are not finite are written as null, for JSON has none.
+
+        Returns:
+            The record as it will be read back.
 
         Raises:
             RunFolderError: It could not be written; the records before it are intact.
         """
-        line = json.dumps(record, allow_nan=False).encode() + b"\n"
+        line = json.dumps(_finite(record), allow_nan=False).encode() + b"\n"
         end = self._file.tell()
         try:
-            self._file.write(line)
-            self._file.flush()
+            rest = memoryview(line)
+            while rest:
+                rest = rest[self._file.write(rest) :]
             os.fsync(self._file.fileno())
         except OSError as error:
-            self._take_back(end)
+            self._file.truncate(end)
+            self._file.seek(end)
             raise RunFolderError(
                 self.path,
-                f"trial {record.get('trial')} could not be written: {error.strerror}; "
-                f"the {len(self._trials)} trials before it are intact",
+                f"trial {record.get('trial')} could not be written: {error.strerror}; the "
+                f"{len(self._trials)} trials before it are intact, --resume goes on from there",
             ) from error
-        self._trials.append(record)
-
-    def _take_back(self, end: int) -> None:
-        """Cut off a line that is only partly written, past the buffer that still holds it."""
-        os.ftruncate(self._file.fileno(), end)
-        raw = self._file.detach()
-        raw.close()
+        read_back: dict[str, Any] = json.loads(line)
+        self._trials.append(read_back)
+        return read_back
 
     def __enter__(self) -> RunFolder:
         """Nothing more to do: the folder is open."""
@@ -131,10 +146,7 @@ class RunFolder:
 
     def close(self) -> None:
         """Let go of the folder; another process may go on with the run."""
-        try:
-            self._file.close()
-        except ValueError:  # detached after a failed write: closed already
-            return
+        self._file.close()
 
 
 def read_trials(path: Path) -> list[dict[str, Any]]:
@@ -161,7 +173,8 @@ def _whole_lines(path: Path, content: bytes) -> tuple[list[dict[str, Any]], int]
         rest_is_empty = number >= len(lines) - 1 and not any(lines[number:])
         try:
             record = json.loads(line)
-            whole = isinstance(record, dict) and record.get("trial") == number
+            whole = isinstance(record, dict) and record.keys() >= _KEYS
+            whole = whole and record["trial"] == number
         except ValueError:
             whole = False
         if whole and number < len(lines):  # a line without its newline was cut short
@@ -176,8 +189,37 @@ def _whole_lines(path: Path, content: bytes) -> tuple[list[dict[str, Any]], int]
     return records, length
 
 
-def _write(path: Path, text: str) -> None:
-    with path.open("x", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _check_free(path: Path) -> None:
+    if (path / SCENARIO).exists() and (path / TRIALS).exists():
+        raise RunFolderError(path, "holds a run already; go on with --resume or name another")
+    left = {entry.name for entry in path.iterdir()} - {_BEGINNING}
+    if left - {TRIALS} or (left and (path / TRIALS).stat().st_size > 0):
+        raise RunFolderError(path, "is not empty; name another folder")
+
+
+def _locked(path: Path, mode: Literal["r+b", "a+b"]) -> io.FileIO:
+    """The file of the trials, unbuffered, so that nothing is written later than it seems."""
+    file = (path / TRIALS).open(mode, buffering=0)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        file.close()
+        raise RunFolderError(path, "another process is writing to this run") from error
+    return file
+
+
+def _sync_folder(path: Path) -> None:
+    """Put the names of the files on the disk, too."""
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

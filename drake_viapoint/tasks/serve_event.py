@@ -27,6 +27,7 @@ from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial
 from drake_viapoint.tasks.struck_ball import Encounter, first_encounter, strike
 
 _RELEASE_TOLERANCE = 1e-10  # [s]
+_MOST_HALVINGS = 4  # of the step; a torque that is clamped makes kinks that no step resolves
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,7 @@ class EventExecution:
         learning = scenario.learning
         self._tolerances = learning.meeting_tolerance, learning.landing_tolerance
         self._simulator = Simulator(scene.diagram)
+        self._rejected = 0
 
     def execute(self, movement: JointMovement) -> ServeTrial:
         """Simulate a serve and follow the ball."""
@@ -125,10 +127,24 @@ class EventExecution:
     ) -> tuple[ArmMotion, float | None, NDArray[np.bool_]]:
         """Integrate the arm through the movement.
 
+        The steps are the longest allowed if the integrator accepts all of them, else half as long,
+        and so on: after a step that Drake (1.51) rejects for its error it starts the next one with
+        what it had cached at the rejected step's end, at the cost of a hundred times the error.
+
         Returns:
             The motion, the time at which the ball leaves the cup (None if it stays) and which
             joints were clamped (k,).
         """
+        for halvings in range(_MOST_HALVINGS + 1):
+            self._rejected = 0
+            moved = self._move_arm(movement, self._config.max_step_size / 2**halvings)
+            if not self._rejected:
+                break
+        return moved
+
+    def _move_arm(
+        self, movement: JointMovement, longest_step: float
+    ) -> tuple[ArmMotion, float | None, NDArray[np.bool_]]:
         scene, simulator = self._scene, self._simulator
         scene.tracking.follow(movement.trajectory)
         context = simulator.get_mutable_context()
@@ -139,6 +155,7 @@ class EventExecution:
         scene.load_ball(own)
         # an integrator keeps the step it adapted to in the trial before; this makes it forget
         ApplySimulatorConfig(self._config, simulator)
+        simulator.get_mutable_integrator().set_maximum_step_size(longest_step)
         end = float(movement.times[-1])
 
         carrying = _Log(scene, context)
@@ -148,9 +165,8 @@ class EventExecution:
         swinging = _Log(scene, context)
         scene.unload_ball(own)
         self._advance(swinging, end)
-        segments = [carrying.segment(), swinging.segment()]
-        if len(swinging.times) < 2:  # released at the very end
-            segments.pop()
+        # released at the very beginning or end, it has but one
+        segments = [log.segment() for log in (carrying, swinging) if len(log.times) > 1]
         return ArmMotion(segments), release, carrying.clamped() | swinging.clamped()
 
     def _advance(self, log: _Log, end: float) -> None:
@@ -164,8 +180,14 @@ class EventExecution:
 
         simulator.set_monitor(record)
         simulator.Initialize()  # also reports the first state to the monitor
-        simulator.AdvanceTo(end)
+        self._advance_to(end)
         simulator.clear_monitor()
+
+    def _advance_to(self, time: float) -> None:
+        """Let the simulator advance, and count the steps it rejected since its initialisation."""
+        self._simulator.AdvanceTo(time)
+        integrator = self._simulator.get_integrator()
+        self._rejected += integrator.get_num_step_shrinkages_from_error_control()
 
     def _carry(self, log: _Log, end: float) -> float | None:
         """Move until the cup would have to pull the ball; the context is left at that time."""
@@ -188,7 +210,7 @@ class EventExecution:
         simulator.set_monitor(record)
         simulator.Initialize()
         if pushes[-1] >= 0:
-            simulator.AdvanceTo(end)
+            self._advance_to(end)
         simulator.clear_monitor()
         if pushes[-1] >= 0:
             return None
@@ -216,7 +238,7 @@ class EventExecution:
         context.SetTime(start)
         context.SetContinuousState(state)
         self._simulator.Initialize()
-        self._simulator.AdvanceTo(end)
+        self._advance_to(end)
 
     def _push(self, own: Context) -> float:
         """Push of the cup along its opening, per mass of the ball [m/s2], in a plant's context."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import Bounds, NonlinearConstraint, least_squares, minimize
 from scipy.spatial.transform import Rotation
 
 from drake_viapoint.errors import UnreachableError
@@ -84,7 +84,7 @@ class InverseKinematics:
                 q[held], reference[held], target_r[held], target_p[held], ~outside[held]
             )
             q[held] = np.clip(bounded, lower, upper)
-        for i in np.nonzero(self._missed(q, target_r, target_p))[0]:
+        for i in np.flatnonzero(self._missed(q, target_r, target_p)).tolist():
             q[i] = self._nearest(labels[i], target_r[i], target_p[i], reference[i])
         return q
 
@@ -133,18 +133,19 @@ class InverseKinematics:
         start = self._search(target_r, target_p)
         if self._missed(start[None], target_r[None], target_p[None])[0]:
             raise self._unreachable(label, start, target_r, target_p)
+
+        def far(q: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+            return 0.5 * float(np.sum((q - reference) ** 2)), q - reference
+
+        met = NonlinearConstraint(
+            lambda q: self._pose_error(q[None], target_r[None], target_p[None])[0],
+            0.0,
+            0.0,
+            jac=lambda q: -self.arm.tool_jacobian(q),
+        )
+        within = Bounds(limits.lower, limits.upper)
         fit = minimize(
-            lambda q: 0.5 * np.sum((q - reference) ** 2),
-            start,
-            jac=lambda q: q - reference,
-            bounds=list(zip(limits.lower, limits.upper, strict=True)),
-            constraints={
-                "type": "eq",
-                "fun": lambda q: self._pose_error(q[None], target_r[None], target_p[None])[0],
-                "jac": lambda q: -self.arm.tool_jacobian(q),
-            },
-            method="SLSQP",
-            options={"ftol": 1e-12},
+            far, start, jac=True, bounds=within, constraints=met, method="SLSQP", tol=1e-12
         )
         near = np.clip(fit.x, limits.lower, limits.upper)
         free = (near > limits.lower + 1e-6) & (near < limits.upper - 1e-6)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drake_viapoint.errors import RunFolderError
-from drake_viapoint.learning.learner import Learner, Proposal
+from drake_viapoint.errors import RunFolderError, ViaPointsError
+from drake_viapoint.learning.learner import Learner
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.runs.run_folder import RunFolder
+from drake_viapoint.runs.run_folder import TRIALS, RunFolder
 from drake_viapoint.tasks.trial import Task, Trial
 
 
@@ -56,8 +57,7 @@ def learn(
         repeats=task.repeats,
     )
     for record in folder.trials:
-        _check_same(folder, record, learner.ask())
-        learner.tell(task.outcome(record))
+        _tell_again(learner, task, folder.path, record)
     while not learner.finished and (learner.learned_at or learner.trials < max_trials):
         proposal = learner.ask()
         number = learner.trials + 1
@@ -74,7 +74,7 @@ def learn(
             },
             "seed": own_seed,
         }
-        folder.append(record)
+        record = folder.append(record)  # as read back, so that a resumed learner is told the same
         learner.tell(task.outcome(record))
         if on_trial is not None:
             on_trial(record, trial)
@@ -97,14 +97,26 @@ def recorded_via_points(record: dict[str, Any], names: tuple[str, ...]) -> ViaPo
     return ViaPoints(np.array(points["times"]), np.array(points["values"]), names)
 
 
-def _check_same(folder: RunFolder, record: dict[str, Any], proposal: Proposal) -> None:
-    recorded = recorded_via_points(record, proposal.via_points.names)
+def _tell_again(learner: Learner, task: Task, path: Path, record: dict[str, Any]) -> None:
+    """Tell a recorded trial, if it is the one this learner asks for."""
+    damaged = RunFolderError(path, f"{TRIALS}, line {record['trial']} is damaged")
+    if learner.finished:
+        raise RunFolderError(path, f"goes on after trial {learner.trials}, where learning ended")
+    proposal = learner.ask()
+    try:
+        recorded = recorded_via_points(record, proposal.via_points.names)
+    except (LookupError, TypeError, ValueError, ViaPointsError) as error:
+        raise damaged from error
     same = np.array_equal(recorded.times, proposal.via_points.times) and np.array_equal(
         recorded.values, proposal.via_points.values
     )
-    if not same or record["purpose"] != proposal.purpose:
+    if not same or (record["purpose"], record["subtask"]) != (proposal.purpose, proposal.subtask):
         raise RunFolderError(
-            folder.path,
+            path,
             f"trial {record['trial']} is not the one this scenario leads to; made by another "
             "version or another scenario",
         )
+    try:
+        learner.tell(task.outcome(record))
+    except (LookupError, TypeError, ValueError) as error:
+        raise damaged from error

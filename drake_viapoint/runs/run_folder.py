@@ -104,10 +104,9 @@ class RunFolder:
     def append(self, record: dict[str, Any]) -> dict[str, Any]:
         """Put a trial's record on the disk.
 
-        Numbers that are not finite are written as null, for JSON has none.
-
         Returns:
-            The record as it will be read back.
+            The record as it will be read back: a number that is not finite is None, as JSON has
+            no such numbers.
 
         Raises:
             RunFolderError: It could not be written; the records before it are intact.
@@ -206,13 +205,16 @@ def _check_free(path: Path) -> None:
 
 
 def _locked(path: Path, mode: Literal["r+b", "a+b"]) -> io.FileIO:
-    """The file of the trials, unbuffered, so that nothing is written later than it seems."""
+    """The file of the trials, ours alone; unbuffered, so that no write comes later than it seems."""
     file = (path / TRIALS).open(mode, buffering=0)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+    except BlockingIOError as error:
         file.close()
         raise RunFolderError(path, "another process is writing to this run") from error
+    except BaseException:
+        file.close()
+        raise
     return file
 
 

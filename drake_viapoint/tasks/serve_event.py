@@ -300,14 +300,27 @@ class EventExecution:
             landing=landing,
             goal=goal,
             success=bool(near and inside),
-            saturated=tuple(
-                name for name, c in zip(scene.arm.joint_names, clamped, strict=True) if c
-            ),
+            saturated=_named(scene.arm, clamped),
+            beyond_limits=_named(scene.arm, _beyond(scene.arm, motion)),
             tracking_error=float(strayed),
             motion=motion,
             carried=lambda t: scene.cup.ball(racket, t).position,
             flights=tuple(flights),
         )
+
+
+def _named(arm: Arm, chosen: NDArray[np.bool_]) -> tuple[str, ...]:
+    return tuple(name for name, c in zip(arm.joint_names, chosen, strict=True) if c)
+
+
+def _beyond(arm: Arm, motion: ArmMotion) -> NDArray[np.bool_]:
+    """Which joints (k,) left their range of angles or speeds at a step."""
+    q = np.concatenate([segment.q for segment in motion.segments])
+    v = np.concatenate([segment.v for segment in motion.segments])
+    limits = arm.limits
+    outside = (q < limits.lower) | (q > limits.upper) | (np.abs(v) > limits.speed)
+    beyond: NDArray[np.bool_] = outside.any(axis=0)
+    return beyond
 
 
 def _ending(thrown: bool, met: Encounter | None, landed: float | None) -> ServeOutcome:

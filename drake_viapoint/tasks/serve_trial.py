@@ -83,6 +83,7 @@ class ServeTrial:
         goal: T_Gd, the ring's centre (2,) [m].
         success: Whether d and the landing error are within their tolerances.
         saturated: Joints whose torque was clamped at their effort.
+        beyond_limits: Joints that left their range of angles or speeds at a step.
         tracking_error: Largest distance of a joint from its desired angle at a step [rad].
         motion: How the arm moved.
         carried: Centre of the ball in the cup (n, 3) [m] at times (n,) [s].
@@ -98,6 +99,7 @@ class ServeTrial:
     goal: NDArray[np.float64]
     success: bool
     saturated: tuple[str, ...]
+    beyond_limits: tuple[str, ...]
     tracking_error: float
     motion: ArmMotion
     carried: Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -144,6 +146,7 @@ class ServeTrial:
             "T_Gd": self.goal.tolist(),
             "events": [event.record() for event in self.events],
             "saturated": list(self.saturated),
+            "beyond_limits": list(self.beyond_limits),
             "tracking_error": self.tracking_error,
         }
 
@@ -152,5 +155,6 @@ class ServeTrial:
         error = self.landing_error
         landing = "" if error is None else f", {100 * error:.1f} cm from the goal's centre"
         clamped = f", torque clamped: {' '.join(self.saturated)}" if self.saturated else ""
+        beyond = f", beyond limits: {' '.join(self.beyond_limits)}" if self.beyond_limits else ""
         ending = str(self.ending).replace("_", " ")
-        return f"{ending}, d = {100 * self.d:.1f} cm{landing}{clamped}"
+        return f"{ending}, d = {100 * self.d:.1f} cm{landing}{clamped}{beyond}"

@@ -205,7 +205,7 @@ def _check_free(path: Path) -> None:
 
 
 def _locked(path: Path, mode: Literal["r+b", "a+b"]) -> io.FileIO:
-    """The file of the trials, ours alone; unbuffered, so that no write comes later than it seems."""
+    """The file of the trials, ours alone; unbuffered, so that nothing is written late."""
     file = (path / TRIALS).open(mode, buffering=0)
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

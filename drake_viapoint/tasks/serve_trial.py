@@ -40,8 +40,11 @@ def serve_outcome(record: dict[str, Any]) -> Outcome:
     realized = {THROW: record[THROW] if thrown else None, STRIKE: record[STRIKE]}
     desired = {THROW: record.get("T_Hd"), STRIKE: record.get("T_Gd")}
     return Outcome(
-        {name: None if value is None else np.array(value) for name, value in realized.items()},
-        {name: np.array(value) for name, value in desired.items() if value is not None},
+        {
+            name: None if value is None else np.array(value, float)
+            for name, value in realized.items()
+        },
+        {name: np.array(value, float) for name, value in desired.items() if value is not None},
         record["success"],
     )
 

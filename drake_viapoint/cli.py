@@ -6,7 +6,10 @@ Imports of the science stand inside the commands, so that ``--help`` answers at 
 from __future__ import annotations
 
 import logging
+import shlex
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +20,7 @@ from drake_viapoint.errors import LearningError, ViapointError
 
 if TYPE_CHECKING:
     from drake_viapoint.runs.run_folder import RunFolder
-    from drake_viapoint.runs.serve_run import ServeChanges
+    from drake_viapoint.tasks.serve import ServeTask
     from drake_viapoint.tasks.trial import Trial
 
 LEARNED, NOT_LEARNED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -26,12 +29,19 @@ _EXISTING = click.Path(path_type=Path)
 
 
 def main() -> None:
-    """Entry point: errors become one line on stderr and exit code 2."""
+    """Entry point: what goes wrong becomes one line on stderr, and an exit code."""
     # Meshcat would name its port; a level would not outlive the import of Drake
     logging.getLogger("drake").addFilter(lambda record: record.levelno >= logging.WARNING)
     try:
         code = cli.main(standalone_mode=False)
-    except click.exceptions.Abort:
+    except click.exceptions.Abort:  # what click makes of Ctrl-C
+        click.echo("drake-viapoint: interrupted", err=True)
+        code = INTERRUPTED
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        code = BAD_INPUT
+    except _Interrupted as error:
+        click.echo(f"drake-viapoint: {error.message}", err=True)
         code = INTERRUPTED
     except click.ClickException as error:
         click.echo(f"drake-viapoint: {_one_line(error.format_message())}", err=True)
@@ -39,11 +49,26 @@ def main() -> None:
     except ViapointError as error:
         click.echo(f"drake-viapoint: {_one_line(str(error))}", err=True)
         code = BAD_INPUT
+    except OSError as error:  # a disk that fills, a folder that goes away
+        click.echo(f"drake-viapoint: {error.filename or 'writing'}: {error.strerror}", err=True)
+        code = BAD_INPUT
     sys.exit(code if isinstance(code, int) else 0)
 
 
 def _one_line(text: str) -> str:
     return " ".join(text.split())
+
+
+class _Interrupted(click.ClickException):
+    """Ctrl-C, with what a person can do next."""
+
+
+@contextmanager
+def _interruptible(how_to_go_on: Callable[[], str]) -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        raise _Interrupted(how_to_go_on()) from error
 
 
 @click.group(epilog="Start with: drake-viapoint learn serve --out runs/first")
@@ -65,7 +90,7 @@ def learn() -> None:
 @click.option("--t-hit", type=float, help="Time of the hit in the demonstration [s].")
 @click.option("--seed", type=click.IntRange(0), help="Seed of the run.")
 @click.option("--max-trials", type=click.IntRange(1), default=60, show_default=True)
-@click.option("--resume", is_flag=True, help="Go on with the run in the folder.")
+@click.option("--resume", is_flag=True, help="Go on with the run in the folder, if there is one.")
 @click.pass_context
 def learn_serve(
     ctx: click.Context,
@@ -90,52 +115,44 @@ def learn_serve(
       drake-viapoint learn serve --out runs/mine --demonstration my_serve.c3d --t-hit 0.93
     """
     from drake_viapoint.runs import serve_run
+    from drake_viapoint.tasks.serve import ServeTask
 
     changes = serve_run.ServeChanges(person, seed, demonstration, t_hit)
-    if resume:
-        if scenario is not None:
-            raise click.UsageError("--resume goes on with the folder's own scenario")
-        folder, run_scenario = serve_run.resume(out, changes)
-        click.echo(f"going on after trial {len(folder.trials)} of {out}")
-    else:
-        folder, run_scenario = _begin(out, scenario, changes)
-    ctx.exit(_learn(out, folder, run_scenario, max_trials))
+    with _interruptible(lambda: f"interrupted before a run was begun in {out}"):
+        if resume and serve_run.has_run(out):
+            folder, run_scenario = serve_run.resume(out, scenario, changes)
+            click.echo(f"going on after trial {len(folder.trials)} of {out}")
+            task = ServeTask(run_scenario)
+        else:
+            if resume:
+                click.echo(f"no run in {out} yet: this begins one")
+            run_scenario = serve_run.serve_scenario(scenario, changes)
+            task = ServeTask(run_scenario)  # bad input is said before a folder is made
+            folder = serve_run.begin(out, run_scenario)
+    go_on = f"drake-viapoint learn serve --out {shlex.quote(str(out))} --resume"
+    with (
+        folder,
+        _interruptible(
+            lambda: f"interrupted after trial {len(folder.trials)}; go on with: {go_on}"
+        ),
+    ):
+        ctx.exit(_learn(out, folder, task, max_trials))
 
 
-def _begin(out: Path, scenario: Path | None, changes: ServeChanges) -> tuple[RunFolder, Any]:
-    from drake_viapoint.runs import serve_run
-    from drake_viapoint.tasks.serve import ServeTask
-
-    run_scenario = serve_run.serve_scenario(scenario, changes)
-    ServeTask(run_scenario)  # whatever is wrong with the input is said before a folder is made
-    return serve_run.begin(out, run_scenario), run_scenario
-
-
-def _learn(out: Path, folder: RunFolder, scenario: Any, max_trials: int) -> int:
+def _learn(out: Path, folder: RunFolder, task: ServeTask, max_trials: int) -> int:
     from drake_viapoint.runs.learning_run import learn as learn_task
-    from drake_viapoint.tasks.serve import ServeTask
 
     def report(record: dict[str, Any], trial: Trial) -> None:
         mark = "*" if record["success"] else " "
         purpose = f"{record['purpose']} {record['subtask']}"
         click.echo(f"trial {record['trial']:3d} {mark} {purpose:<20} {trial.summary()}")
 
-    with folder:
-        try:
-            task = ServeTask(scenario)
-            result = learn_task(
-                task, folder, seed=scenario.seed, max_trials=max_trials, on_trial=report
-            )
-        except LearningError as error:
-            click.echo(f"not learned: {error}; {len(folder.trials)} trials are in {out}")
-            return NOT_LEARNED
-        except KeyboardInterrupt:
-            click.echo(
-                f"interrupted after trial {len(folder.trials)}; go on with: "
-                f"drake-viapoint learn serve --out {out} --resume",
-                err=True,
-            )
-            return INTERRUPTED
+    try:
+        seed = task.scenario.seed
+        result = learn_task(task, folder, seed=seed, max_trials=max_trials, on_trial=report)
+    except LearningError as error:
+        click.echo(f"not learned: {error}; {len(folder.trials)} trials are in {out}")
+        return NOT_LEARNED
     if result.learned_at is None:
         click.echo(f"not learned within {result.trials} trials; they are in {out}")
         return NOT_LEARNED
@@ -198,6 +215,8 @@ def extract(
     """
     from drake_viapoint.reproduction.marker_file import extract_from_file
 
+    if marker is not None and body is not None:
+        raise click.UsageError("give either --marker or --body")
     picture = plot or Path(f"{file.stem}-via-points.png")
     lines = extract_from_file(
         file,
@@ -272,7 +291,9 @@ def reproduce(out: Path, persons: int) -> None:
     def progress(label: str, total: int) -> Any:
         return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)
 
-    for line in run(out, persons, progress):
+    with _interruptible(lambda: "interrupted; the same command goes on from here"):
+        lines = run(out, persons, progress)
+    for line in lines:
         click.echo(line)
 
 

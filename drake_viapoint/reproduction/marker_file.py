@@ -95,6 +95,10 @@ def extract_from_file(
         f"error left: {1e3 * extraction.worst_errors[-1]:.1f} mm at worst, "
         f"{1e3 * extraction.rms_errors[-1]:.1f} mm root mean square"
     )
+    if hit_time is not None and not times[0] <= hit_time <= times[-1]:
+        raise ExtractionError(
+            f"t_HIT must lie between {times[0]:g} and {times[-1]:g} s, got {hit_time:g}"
+        )
     figure = figure4.draw(
         times,
         values,

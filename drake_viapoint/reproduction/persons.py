@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from drake_viapoint.errors import ViapointError
+from drake_viapoint.errors import RunFolderError, ViapointError
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.serve_run import ServeChanges, begin_or_resume, serve_scenario
@@ -54,6 +54,9 @@ def study_persons(
         out: Folder of the run folders.
         number: How many persons.
         on_person: Called after each.
+
+    Raises:
+        RunFolderError: A run cannot be written, or the folder holds others.
     """
     results = []
     for person in range(number):
@@ -73,6 +76,8 @@ def _study(path: Path, person: int) -> PersonResult:
         if learned_at is None:
             last = read_trials(path)[-1]
             reason = f"after {MAX_TRIALS} trials: {last['outcome']}, d = {last['d']}"
+    except RunFolderError:  # a disk, not a person
+        raise
     except ViapointError as error:
         reason = str(error)
     records = read_trials(path) if (path / "trials.jsonl").is_file() else []

@@ -11,7 +11,7 @@ from typing import Any
 from drake_viapoint import __version__
 from drake_viapoint.errors import RunFolderError
 from drake_viapoint.packages import resolve
-from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, RunFolder
+from drake_viapoint.runs.run_folder import SCENARIO, RunFolder
 from drake_viapoint.tasks.scenario import dump_scenario, load_scenario
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 
@@ -64,15 +64,23 @@ def begin(path: Path, scenario: ServeScenario) -> RunFolder:
     return RunFolder.create(path, dump_scenario(scenario))
 
 
-def resume(path: Path, changes: ServeChanges | None = None) -> tuple[RunFolder, ServeScenario]:
+def has_run(path: Path) -> bool:
+    """Whether a folder holds a run, whole or interrupted: the last of its files that is made."""
+    return (path / SCENARIO).exists()
+
+
+def resume(
+    path: Path, file: Path | None = None, changes: ServeChanges | None = None
+) -> tuple[RunFolder, ServeScenario]:
     """An interrupted run's folder and scenario.
 
     Args:
         path: The folder.
+        file: A scenario; with the changes it must be the folder's. The folder's own if None.
         changes: Must agree with the folder's scenario.
 
     Raises:
-        RunFolderError: No run, a run of other versions, or changes that make it another run.
+        RunFolderError: No run, a run of other versions, or a file or changes of another run.
     """
     folder = RunFolder.open(path)
     try:
@@ -85,12 +93,12 @@ def resume(path: Path, changes: ServeChanges | None = None) -> tuple[RunFolder, 
                     f"was made with {name} {made_with.get(name)}, this is {now[name]}: its trials "
                     "would differ in their last bits",
                 )
-        before = dump_scenario(scenario)
-        (changes or ServeChanges()).apply(scenario)
-        if dump_scenario(scenario) != before:
-            raise RunFolderError(
-                path, "holds a run of another person, seed or demonstration; name another folder"
-            )
+        asked = load_scenario(file or path / SCENARIO, ServeScenario)
+        (changes or ServeChanges()).apply(asked)
+        asked.made_with = made_with
+        if dump_scenario(asked) != dump_scenario(scenario):
+            what = "scenario" if file is not None else "person, seed or demonstration"
+            raise RunFolderError(path, f"holds a run of another {what}; name another folder")
     except BaseException:
         folder.close()
         raise
@@ -103,7 +111,7 @@ def begin_or_resume(path: Path, scenario: ServeScenario) -> tuple[RunFolder, Ser
     Raises:
         RunFolderError: The folder holds another scenario's run, or cannot be written.
     """
-    if not (path / TRIALS).exists():
+    if not has_run(path):
         return begin(path, scenario), scenario
     folder, recorded = resume(path)
     scenario.made_with = recorded.made_with

@@ -49,6 +49,11 @@ def main() -> None:
     except ViapointError as error:
         click.echo(f"drake-viapoint: {_one_line(str(error))}", err=True)
         code = BAD_INPUT
+    except RuntimeError as error:  # what Drake thinks of a scenario's wilder values
+        if type(error) is not RuntimeError:
+            raise
+        click.echo(f"drake-viapoint: Drake refuses: {_one_line(str(error))}", err=True)
+        code = BAD_INPUT
     except OSError as error:  # a disk that fills, a folder that goes away
         click.echo(f"drake-viapoint: {error.filename or 'writing'}: {error.strerror}", err=True)
         code = BAD_INPUT

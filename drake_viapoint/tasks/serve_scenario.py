@@ -7,9 +7,15 @@ angles in radians, times in seconds.
 
 from dataclasses import dataclass, field
 
-from pydrake.multibody.plant import MultibodyPlantConfig
-from pydrake.systems.analysis import SimulatorConfig
+from pydrake.multibody.plant import (
+    ApplyMultibodyPlantConfig,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.primitives import ConstantVectorSource
 
+from drake_viapoint.errors import ScenarioError
 from drake_viapoint.tasks.scenario import require, require_positive
 
 
@@ -151,7 +157,7 @@ class ServeScenario:
             require_positive(f"ball.{name}", getattr(self.ball, name))
         restitution, drag = self.ball.restitution, self.ball.drag_coefficient
         require(0 < restitution <= 1, "ball.restitution", restitution, "must be in (0, 1]")
-        require(drag >= 0, "ball.drag_coefficient", drag, "must not be negative")
+        require(0 <= drag <= 10, "ball.drag_coefficient", drag, "must be in [0, 10]")
         for name in (
             "natural_frequency",
             "position_threshold",
@@ -171,13 +177,31 @@ class ServeScenario:
         require_positive("demonstration.cutoff", watched.cutoff)
         require_positive("demonstration.angle_weight", watched.angle_weight)
         self._validate_learning()
-        step = self.plant.time_step
+        self._validate_simulation()
+        require(self.seed >= 0, "seed", self.seed, "must not be negative")
+
+    def _validate_simulation(self) -> None:
+        """Drake's own configuration: some values it does not refuse but stops the process for."""
+        plant, simulator = self.plant, self.simulator
+        step = plant.time_step
         require(
             step == 0, "plant.time_step", step, "must be 0: event execution is in continuous time"
         )
-        require_positive("simulator.max_step_size", self.simulator.max_step_size)
-        require_positive("simulator.accuracy", self.simulator.accuracy)
-        require(self.seed >= 0, "seed", self.seed, "must not be negative")
+        for name in ("penetration_allowance", "stiction_tolerance", "sap_near_rigid_threshold"):
+            require_positive(f"plant.{name}", getattr(plant, name))
+        longest, accuracy, start = (
+            simulator.max_step_size,
+            simulator.accuracy,
+            simulator.start_time,
+        )
+        require(1e-6 <= longest <= 1, "simulator.max_step_size", longest, "must be in [1e-6, 1]")
+        require(1e-12 <= accuracy <= 1, "simulator.accuracy", accuracy, "must be in [1e-12, 1]")
+        require(start == 0, "simulator.start_time", start, "must be 0")
+        try:
+            ApplyMultibodyPlantConfig(plant, MultibodyPlant(step))
+            ApplySimulatorConfig(simulator, Simulator(ConstantVectorSource([0.0])))
+        except RuntimeError as error:
+            raise ScenarioError(f"plant or simulator: {' '.join(str(error).split())}") from error
 
     def _validate_learning(self) -> None:
         learning = self.learning

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-SINGULAR_SIN_THETA = 1e-9
+SINGULAR_SIN_THETA = 1e-15
 """Below this sin(theta) phi and psi are not told apart: their axes coincide [-]."""
 
 

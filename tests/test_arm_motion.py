@@ -117,13 +117,13 @@ def test_a_serve_between_its_steps_is_that_of_a_much_tighter_integration(
 ) -> None:
     """Steps of 20 ms against steps of 2 ms at a hundred thousandth of the error."""
     movement = serve_task.retargeting.first
-    motion = serve_task.execution.move_arm(movement)[0]
+    motion = serve_task.execution.execute(movement).motion
     scenario = ServeScenario()
     scenario.simulator = SimulatorConfig(
         integration_scheme="runge_kutta5", use_error_control=False, max_step_size=2e-3
     )
     fine = EventExecution(scenario, serve_task.scene, serve_task.watched.hit_time)
-    reference = fine.move_arm(movement)[0]
+    reference = fine.execute(movement).motion
     longest = max(np.max(np.diff(segment.times)) for segment in motion.segments)
     assert longest > 0.01
     times = np.linspace(motion.start, motion.end, 3000)

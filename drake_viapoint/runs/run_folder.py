@@ -1,13 +1,15 @@
 """A run as a folder: its scenario, and a line for every trial that nothing can take back.
 
-``scenario.yaml`` says everything the run depends on; ``trials.jsonl`` has one JSON object a trial,
-on the disk before the next trial starts. A line cut short by a kill or a full disk is dropped when
-the folder is opened again, and its trial done again.
+``scenario.yaml`` says everything the run depends on, and ends with a digest, so that trials of two
+scenarios never end up in one run. ``trials.jsonl`` has one JSON object a trial, on the disk before
+the next trial starts. A line cut short by a kill or a full disk is dropped when the folder is
+opened again, and its trial done again.
 """
 
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import io
 import json
 import math
@@ -22,6 +24,7 @@ SCENARIO = "scenario.yaml"
 TRIALS = "trials.jsonl"
 
 _BEGINNING = ".scenario.yaml"  # becomes the scenario once it is whole
+_SEAL = "# sha256 of the lines above: "
 _KEYS = frozenset(
     {"trial", "purpose", "subtask", "outcome", "success", "d", "via_points", "seed"}
 )  # of every line, whatever the task; its task variables come on top
@@ -64,7 +67,7 @@ class RunFolder:
             try:
                 _check_free(path)  # now that nobody else can begin a run here
                 with (path / _BEGINNING).open("w", encoding="utf-8") as beginning:
-                    beginning.write(scenario)
+                    beginning.write(scenario + _SEAL + _digest(scenario.encode()) + "\n")
                     beginning.flush()
                     os.fsync(beginning.fileno())
                 (path / _BEGINNING).replace(path / SCENARIO)
@@ -87,9 +90,10 @@ class RunFolder:
             if not (path / name).is_file():
                 raise RunFolderError(path, f"holds no run: there is no {name}")
         try:
+            _check_seal(path)
             file = _locked(path, "r+b")
         except OSError as error:
-            raise RunFolderError(path, f"{TRIALS} cannot be written: {error.strerror}") from error
+            raise RunFolderError(path, f"cannot be gone on with: {error.strerror}") from error
         try:
             return cls(path, file)
         except BaseException:
@@ -194,6 +198,19 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _check_seal(path: Path) -> None:
+    scenario, _, digest = (path / SCENARIO).read_bytes().rpartition(_SEAL.encode())
+    if digest.strip() != _digest(scenario).encode():
+        raise RunFolderError(
+            path,
+            f"{SCENARIO} is not what this run began with; give the changed one a folder of its own",
+        )
+
+
+def _digest(scenario: bytes) -> str:
+    return hashlib.sha256(scenario).hexdigest()
 
 
 def _check_free(path: Path) -> None:

@@ -38,17 +38,20 @@ def load_scenario(path: Path, schema: type[S]) -> S:
         data = yaml.safe_load(text)
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: cannot be read: {error}") from error
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:  # 2026-13-32 is a ValueError
         raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
     if data is None:
         data = {}
     if not isinstance(data, dict):
         raise ScenarioError(f"{path}: a scenario is a mapping of keys to values")
-    scenario = _load(path, data, schema)
     try:
+        _check_lists(data, schema())
+        scenario = _load(data, schema)
         scenario.validate()
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{path}: an anchor that holds itself") from error
     return scenario
 
 
@@ -72,13 +75,13 @@ def require_positive(key: str, value: float) -> None:
 _YAML_FAULTS = (RuntimeError, ValueError, TypeError, AssertionError, AttributeError)
 
 
-def _load(path: Path, data: dict[str, Any], schema: type[S]) -> S:
+def _load(data: dict[str, Any], schema: type[S]) -> S:
     try:
         loaded: S = yaml_load_typed(schema=schema, data=yaml.safe_dump(data), defaults=schema())
     except _YAML_FAULTS as error:
         key, value = _culprit(data, schema)
         reason = " ".join(str(error).split()) or "of the wrong type"
-        raise ScenarioError(f"{path}: {key}: {value!r}: {reason}") from error
+        raise ScenarioError(f"{key}: {value!r}: {reason}") from error
     return loaded
 
 
@@ -101,3 +104,13 @@ def _leaves(data: dict[str, Any], above: tuple[str, ...] = ()) -> list[tuple[tup
         keys = (*above, key)
         leaves += _leaves(value, keys) if isinstance(value, dict) and value else [(keys, value)]
     return leaves
+
+
+def _check_lists(data: dict[str, Any], defaults: object, above: str = "") -> None:
+    """Where a list is due, Drake's reader would take a word for the list of its letters."""
+    for key, value in data.items():
+        default = getattr(defaults, str(key), None)
+        if isinstance(default, list):
+            require(isinstance(value, list), f"{above}{key}", repr(value), "must be a list")
+        elif isinstance(value, dict):
+            _check_lists(value, default, f"{above}{key}.")

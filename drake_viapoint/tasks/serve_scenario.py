@@ -5,6 +5,7 @@ types, not as strings (so no postponed annotations here). Lengths in metres, mas
 angles in radians, times in seconds.
 """
 
+import math
 from dataclasses import dataclass, field
 
 from pydrake.multibody.plant import (
@@ -209,13 +210,14 @@ class ServeScenario:
             require_positive(f"learning.{name}.perturbation", subtask.perturbation)
             require_positive(f"learning.{name}.gain", subtask.gain)
             require(
-                subtask.regularization >= 0,
+                0 <= subtask.regularization < math.inf,
                 f"learning.{name}.regularization",
                 subtask.regularization,
-                "must not be negative",
+                "must be finite and not negative",
             )
             require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
         require_positive("learning.throw.reached", learning.throw.reached)
+        require_positive("learning.strike.gate", learning.strike.gate)
         require(
             0 <= learning.strike.taper_start < learning.strike.gate,
             "learning.strike.taper_start",

@@ -1,0 +1,160 @@
+"""Reading scenarios of any kind: what is wrong is named by file, key and value."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from drake_viapoint.errors import ScenarioError
+from drake_viapoint.tasks.scenario import dump_scenario, load_scenario, require, require_positive
+
+
+@dataclass
+class Tools:
+    racket: str = "oval"
+    weight: float = 0.3
+    strings: list[str] = field(default_factory=lambda: ["gut"])
+
+
+@dataclass
+class Toy:
+    """A scenario of a task nobody has."""
+
+    task: str = "toy"
+    seed: int = 0
+    tools: Tools = field(default_factory=Tools)
+    share: float | None = None
+
+    def validate(self) -> None:
+        require_positive("tools.weight", self.tools.weight)
+        require(self.seed >= 0, "seed", self.seed, "must not be negative")
+
+
+def load(folder: Path, text: str) -> Toy:
+    file = folder / "toy.yaml"
+    file.write_text(text)
+    return load_scenario(file, Toy)
+
+
+def fault(folder: Path, text: str) -> str:
+    with pytest.raises(ScenarioError) as caught:
+        load(folder, text)
+    message = str(caught.value)
+    assert message.startswith(f"{folder / 'toy.yaml'}: ")
+    assert "\n" not in message
+    return message.removeprefix(f"{folder / 'toy.yaml'}: ")
+
+
+@pytest.mark.parametrize("text", ["", "# nothing said\n", "{}", "task: toy"])
+def test_what_is_left_out_keeps_its_default(tmp_path: Path, text: str) -> None:
+    assert load(tmp_path, text) == Toy()
+
+
+def test_what_is_said_counts(tmp_path: Path) -> None:
+    toy = load(tmp_path, "seed: 7\ntools: {weight: 0.25, strings: [a, b]}\nshare: 0.5\n")
+    assert toy == Toy(seed=7, tools=Tools(weight=0.25, strings=["a", "b"]), share=0.5)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
+@given(
+    st.builds(
+        Toy,
+        seed=st.integers(0, 10**9),
+        share=st.none() | st.floats(-1e9, 1e9),
+        tools=st.builds(
+            Tools,
+            racket=st.text(st.characters(codec="utf-8", categories=["L", "N", "P", "Zs"])),
+            weight=st.floats(1e-12, 1e12),
+            strings=st.lists(st.text("abc #:'\"-0123", max_size=5)),
+        ),
+    )
+)
+def test_what_is_dumped_loads_again(tmp_path: Path, toy: Toy) -> None:
+    assert load(tmp_path, dump_scenario(toy)) == toy
+
+
+def test_a_dump_says_everything() -> None:
+    data = yaml.safe_load(dump_scenario(Toy(share=0.5)))
+    assert data == {
+        "task": "toy",
+        "seed": 0,
+        "tools": {"racket": "oval", "weight": 0.3, "strings": ["gut"]},
+        "share": 0.5,
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("sede: 7", "sede", "7"),
+        ("seed: seven", "seed", "'seven'"),
+        ("seed: 1.5", "seed", "1.5"),
+        ("tools: {wieght: 0.2}", "tools.wieght", "0.2"),
+        ("tools: {weight: heavy}", "tools.weight", "'heavy'"),
+        ("tools: {weight: [1, 2]}", "tools.weight", "[1, 2]"),
+        ("tools: {weight: {a: 1}}", "tools.weight.a", "1"),
+        ("tools: {weight: null}", "tools.weight", "None"),
+        ("tools: {strings: gut}", "tools.strings", "'gut'"),
+        ("tools: {strings: 3}", "tools.strings", "3"),
+        ("tools: {strings: {a: b}}", "tools.strings", "{'a': 'b'}"),
+        ("tools: {strings: [[a]]}", "tools.strings", "[['a']]"),
+        ("tools: 3", "tools", "3"),
+        ("share: half", "share", "'half'"),
+        ("tools: {weight: -0.3}", "tools.weight", "-0.3"),
+        ("tools: {weight: .nan}", "tools.weight", "nan"),
+        ("tools: {weight: .inf}", "tools.weight", "inf"),
+        ("seed: -1", "seed", "-1"),
+        ("seed: 1\ntools: {weight: 0.2}\n7: 8", "7", "8"),
+    ],
+)
+def test_key_and_value_are_named(tmp_path: Path, text: str, key: str, value: str) -> None:
+    message = fault(tmp_path, text)
+    assert message.startswith(key)
+    assert value in message
+
+
+def test_the_right_one_of_two_alike_is_named(tmp_path: Path) -> None:
+    """Drake's reader says but the last part of a key."""
+    assert fault(tmp_path, "seed: 3\ntools: {seed: 3}").startswith("tools.seed: 3")
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "toy", "3", "- task: toy"])
+def test_what_is_no_mapping_is_refused(tmp_path: Path, text: str) -> None:
+    assert "mapping of keys to values" in fault(tmp_path, text)
+
+
+@pytest.mark.parametrize("text", ["{", "a: b: c", "\t- x", "seed: 2026-13-32", "*x", "[" * 2000])
+def test_what_is_no_yaml_is_refused(tmp_path: Path, text: str) -> None:
+    assert fault(tmp_path, text).startswith("not YAML: ")
+
+
+def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"none\.yaml: cannot be read"):
+        load_scenario(tmp_path / "none.yaml", Toy)
+    with pytest.raises(ScenarioError, match="cannot be read"):
+        load_scenario(tmp_path, Toy)
+    (tmp_path / "latin.yaml").write_bytes(b"task: caf\xe9")
+    with pytest.raises(ScenarioError, match=r"latin\.yaml: cannot be read"):
+        load_scenario(tmp_path / "latin.yaml", Toy)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@given(st.binary(max_size=40) | st.text("seed: {}[]-&*!\n0123tols", max_size=40).map(str.encode))
+def test_any_bytes_load_or_are_refused(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "toy.yaml"
+    file.write_bytes(content)
+    message = None
+    try:
+        assert isinstance(load_scenario(file, Toy), Toy)
+    except ScenarioError as error:
+        message = str(error)
+    if message is not None:
+        assert message.startswith(f"{file}: ")
+        assert "\n" not in message
+
+
+def test_a_mapping_that_holds_itself_is_refused(tmp_path: Path) -> None:
+    assert "holds itself" in fault(tmp_path, "tools: &tools {racket: *tools}")

@@ -75,7 +75,7 @@ def _study(path: Path, person: int) -> PersonResult:
         learned_at = result.learned_at
         if learned_at is None:
             last = read_trials(path)[-1]
-            reason = f"after {MAX_TRIALS} trials: {last['outcome']}, d = {last['d']}"
+            reason = f"after {MAX_TRIALS} trials: " + last.get("reason", last["outcome"])
     except RunFolderError:  # a disk, not a person
         raise
     except ViapointError as error:

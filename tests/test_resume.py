@@ -1,4 +1,4 @@
-"""Runs killed with SIGKILL at random instants and resumed end with the bytes of one never killed."""
+"""A run killed with SIGKILL at random instants and resumed ends with the bytes of a whole one."""
 
 from __future__ import annotations
 

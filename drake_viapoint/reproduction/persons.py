@@ -122,7 +122,8 @@ def draw(results: Sequence[PersonResult]) -> Figure:
     counts = [r.learned_at for r in results if r.learned_at is not None]
     failed = [r.person for r in results if r.learned_at is None]
     ax.bar(persons, counts, color="tab:blue", label="third success in a row")
-    ax.plot(failed, [MAX_TRIALS] * len(failed), "x", color="tab:red", label="not learned")
+    if failed:
+        ax.plot(failed, [MAX_TRIALS] * len(failed), "x", color="tab:red", label="not learned")
     if counts:
         median = float(np.median(counts))
         ax.axhline(median, color="k", linestyle="--", linewidth=0.8, label=f"median {median:g}")

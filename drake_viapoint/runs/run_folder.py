@@ -43,8 +43,9 @@ class RunFolder:
         self.scenario_file = path / SCENARIO
         self._file = file
         self._trials, length = _whole_lines(path, file.readall())
-        file.truncate(length)
-        file.seek(length)
+        if file.tell() > length:
+            file.truncate(length)
+            file.seek(length)
 
     @classmethod
     def create(cls, path: Path, scenario: str) -> RunFolder:

@@ -1,0 +1,328 @@
+"""What a person sees: figures, recordings, the study of persons, and the one command for them."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from drake_viapoint.errors import RunFolderError, UnreachableError, ViapointError
+from drake_viapoint.motion.extraction import extract_via_points
+from drake_viapoint.reproduction import (
+    figure2,
+    figure3,
+    figure4,
+    figure5,
+    figure6,
+    figure7,
+    persons,
+)
+from drake_viapoint.reproduction.persons import PersonResult
+from drake_viapoint.reproduction.recording import record_trial
+from drake_viapoint.reproduction.reproduce import reproduce, shown_trials
+from drake_viapoint.reproduction.style import POSE_LABELS, save
+from drake_viapoint.runs.learning_run import learn
+from drake_viapoint.runs.run_folder import TRIALS, read_trials
+from drake_viapoint.runs.serve_run import begin, serve_scenario
+from drake_viapoint.tasks.serve import ServeTask
+from drake_viapoint.tasks.serve_trial import ServeTrial
+
+
+def lines(*kinds: str) -> list[dict[str, Any]]:
+    """Records of ``"learning throw"`` and the like, numbered."""
+    return [
+        {"trial": number, "purpose": kind.split()[0], "subtask": kind.split()[1]}
+        for number, kind in enumerate(kinds, start=1)
+    ]
+
+
+def drawn(figure: Figure) -> bytes:
+    """The figure as a picture; a warning of matplotlib's is an error."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        picture = io.BytesIO()
+        figure.savefig(picture, dpi=40)
+    return picture.getvalue()
+
+
+def words(figure: Figure) -> str:
+    """Everything the figure says."""
+    return " ".join(
+        text.get_text() for text in figure.findobj(match=lambda a: hasattr(a, "get_text"))
+    )
+
+
+# ---------------------------------------------------------------------------- which trials to show
+
+
+def test_the_first_the_first_hit_and_the_last_are_shown() -> None:
+    records = lines(
+        "learning throw", "exploration throw", "learning throw", "exploration strike",
+        "learning strike", "learning strike", "repeat strike", "repeat strike",
+    )  # fmt: skip
+    assert list(shown_trials(records).values()) == [[1], [3], [6, 7, 8]]
+    assert list(shown_trials(records)) == [
+        "first trial", "trial 3: subtask 1 done", "trials 6 to 8: the end",
+    ]  # fmt: skip
+
+
+def test_a_run_without_repeats_shows_its_last_trial() -> None:
+    assert list(shown_trials(lines("learning throw", "exploration throw")).values())[2] == [2]
+    assert list(shown_trials(lines("learning throw")).values()) == [[1], [1], [1]]
+
+
+# -------------------------------------------------------------------------------------- figures
+
+
+@pytest.fixture(scope="module")
+def two_trials(serve_task: ServeTask) -> list[dict[str, Any]]:
+    """The first trial, and one that the arm cannot make: it has no distances."""
+    points = serve_task.via_points
+    away = points.moved(["x3", "y3"], [3.0, 3.0])
+    records = []
+    for number, via_points in enumerate((points, away), start=1):
+        trial = serve_task.execute(via_points, seed=0)
+        head = {"trial": number, "purpose": "learning", "subtask": "throw"}
+        records.append({**head, **trial.record()})
+    assert records[1]["d"] is None
+    return records
+
+
+@pytest.fixture(scope="module")
+def figures(
+    serve_task: ServeTask, two_trials: list[dict[str, Any]]
+) -> dict[str, Callable[[], Figure]]:
+    watched = serve_task.watched
+    times, values = watched.pose.times, watched.pose.values
+    trial = serve_task.execute(serve_task.via_points, seed=0)
+    assert isinstance(trial, ServeTrial)
+    return {
+        "2": lambda: figure2.draw(watched),
+        "3": lambda: figure3.draw(times, values, watched.extraction),
+        "4": lambda: figure4.draw(
+            times, values, watched.extraction, POSE_LABELS, title="title", hit_time=0.9
+        ),
+        "5": lambda: figure5.draw(serve_task),
+        "6": lambda: figure6.draw(serve_task, {"first": [trial], "refused": []}),
+        "7": lambda: figure7.draw(two_trials, 0.05, 0.125),
+    }
+
+
+@pytest.mark.parametrize("number", list("234567"))
+def test_figures_draw_without_a_warning(
+    figures: dict[str, Callable[[], Figure]], number: str
+) -> None:
+    assert drawn(figures[number]()).startswith(b"\x89PNG")
+
+
+def test_a_synthetic_demonstration_is_called_so(
+    figures: dict[str, Callable[[], Figure]],
+) -> None:
+    assert "synthetic" in words(figures["2"]())
+
+
+def test_figure_3_for_very_few_via_points() -> None:
+    times = np.linspace(0.0, 1.0, 30)
+    for number in (3, 4):
+        found = extract_via_points(times, np.sin(5 * times)[:, None], ["x"], number=number)
+        assert drawn(figure3.draw(times, np.sin(5 * times)[:, None], found))
+
+
+def test_figure_5_shows_what_supplemental_via_points_are_for(serve_task: ServeTask) -> None:
+    figure = figure5.draw(serve_task)
+    alone, complete = (figure.axes[index].lines[0].get_ydata() for index in (4, 5))
+    assert np.max(complete) < 2.0 < np.max(alone), "distance from the desired path [mm]"
+
+
+def test_figure_7_shows_every_trial_once(two_trials: list[dict[str, Any]]) -> None:
+    kinds = [(p, s) for p in ("exploration", "learning") for s in ("throw", "strike")]
+    kinds.append(("repeat", "strike"))
+    records = [
+        {**two_trials[0], "trial": number, "purpose": purpose, "subtask": subtask}
+        for number, (purpose, subtask) in enumerate(kinds, start=1)
+    ]
+    below = figure7.draw(records, 0.05, 0.125).axes[1]
+    marked = sorted(float(x) for line in below.lines for x in np.atleast_1d(line.get_xdata()))
+    assert marked == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+def test_a_picture_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file" / "x.png", tmp_path / "x.docx"):
+        with pytest.raises(ViapointError, match="cannot be written"):
+            save(Figure(), path)
+
+
+# -------------------------------------------------------------------------------------- persons
+
+LEARNED = PersonResult(0, "missed", 0.2, None, 27, 32, "")
+SLOW = PersonResult(1, "landed", 0.03, 0.6, 41, 46, "")
+FAILED = PersonResult(2, "landed", 0.04, 0.5, None, 60, "after 60 trials: missed, d = 0.12")
+
+
+def test_the_summary_counts_the_learned_and_their_trials() -> None:
+    text = persons.summary([LEARNED, SLOW, FAILED])
+    assert "2 of 3" in text
+    assert "median trial 34, worst 41" in text
+    assert persons.summary([FAILED]).startswith("none of 1")
+
+
+def test_the_table_explains_failures(tmp_path: Path) -> None:
+    table = persons.write_table([LEARNED, SLOW, FAILED], tmp_path / "new" / "persons.csv")
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["learned_at"] for row in rows] == ["27", "41", ""]
+    assert [row["reason"] for row in rows] == ["", "", FAILED.reason]
+    assert rows[0]["first_landing_error"] == ""
+
+
+@pytest.mark.parametrize("results", [[LEARNED, SLOW, FAILED], [LEARNED], [FAILED]])
+def test_persons_are_drawn(results: list[PersonResult]) -> None:
+    figure = persons.draw(results)
+    assert drawn(figure)
+    assert ("not learned" in words(figure)) == (FAILED in results)
+
+
+def test_a_person_not_learned_from_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(persons, "MAX_TRIALS", 2)
+    told = []
+    (result,) = persons.study_persons(tmp_path, 1, lambda: told.append(1))
+    assert told == [1]
+    assert (result.person, result.learned_at, result.trials) == (0, None, 2)
+    assert result.reason.startswith("after 2 trials: ")
+    first = read_trials(tmp_path / "person00")[0]
+    assert (result.first_outcome, result.first_d) == (first["outcome"], first["d"])
+
+
+def test_a_person_the_robot_cannot_follow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unreachable(_: Any) -> ServeTask:
+        raise UnreachableError("via-point 3", 0.1, 0.0, (("EB", 2.5),))
+
+    monkeypatch.setattr(persons, "ServeTask", unreachable)
+    (result,) = persons.study_persons(tmp_path, 1)
+    assert result.learned_at is None
+    assert result.trials == 0
+    assert "via-point 3 is out of reach" in result.reason
+
+
+def test_a_disk_is_no_person(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunFolderError, match="cannot be written"):
+        persons.study_persons(tmp_path / "file", 1)
+
+
+# ----------------------------------------------------------------------------------- recordings
+
+
+class Page(HTMLParser):
+    """Addresses a browser would fetch, and the scripts a page brings itself."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self.scripts = 0
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.scripts += tag == "script" and "src" not in given
+        address = given.get("src") or (given.get("href") if tag == "link" else None)
+        if address and not address.startswith("data:"):
+            self.fetched.append(address)
+
+
+@pytest.fixture(scope="module")
+def short_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("short") / "run"
+    scenario = serve_scenario()
+    with begin(path, scenario) as folder:
+        learn(ServeTask(scenario), folder, seed=scenario.seed, max_trials=2)
+    return path
+
+
+def test_a_recording_is_one_file_that_needs_no_other(short_run: Path, tmp_path: Path) -> None:
+    before = (short_run / TRIALS).read_bytes()
+    assert record_trial(short_run, 1, tmp_path / "x.html") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["x.html"]
+    text = (tmp_path / "x.html").read_text()
+    page = Page(text)
+    assert page.scripts > 0
+    assert page.fetched == []
+    assert not re.search(r"@import|url\(\s*['\"]?https?:", text)
+    assert (short_run / TRIALS).read_bytes() == before
+    scene = b"".join(map(base64.b64decode, re.findall(r"base64,([A-Za-z0-9+/=]+)", text)))
+    for part in (b"paths/ball", b"paths/racket", b"via_points/8", b"set_animation"):
+        assert part in scene
+
+
+def test_the_last_trial_is_recorded_by_default(short_run: Path, tmp_path: Path) -> None:
+    assert record_trial(short_run, None, tmp_path / "x.html") == 2
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_a_trial_that_was_not_made(short_run: Path, tmp_path: Path, number: int) -> None:
+    with pytest.raises(RunFolderError, match=f"trials 1 to 2, not {number}"):
+        record_trial(short_run, number, tmp_path / "x.html")
+
+
+def test_a_run_without_trials(tmp_path: Path) -> None:
+    begin(tmp_path / "run", serve_scenario()).close()
+    with pytest.raises(RunFolderError, match="holds no trial yet"):
+        record_trial(tmp_path / "run", None, tmp_path / "x.html")
+
+
+# ------------------------------------------------------------------------------ the whole of it
+
+
+class Bars:
+    """Counts what the progress bars are told."""
+
+    def __init__(self) -> None:
+        self.seen: dict[str, list[int]] = {}
+
+    @contextmanager
+    def __call__(self, label: str, total: int) -> Iterator[Bars]:
+        self.seen[label] = self.current = [total]
+        yield self
+
+    def update(self, n_steps: int) -> None:
+        self.current.append(n_steps)
+
+
+def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) -> None:
+    out, bars = tmp_path / "results", Bars()
+    said = reproduce(out, 1, bars)
+    names = {path.name for path in out.iterdir()}
+    pages = {name for name in names if name.endswith(".html")}
+    assert names - pages == {
+        *(f"figure{number}.png" for number in range(2, 8)),
+        "persons", "persons.csv", "persons.png", "serve",
+    }  # fmt: skip
+    assert len(pages) == 3
+    assert "serve_trial01.html" in pages
+    records = read_trials(out / "serve")
+    assert f"serve_trial{len(records):02d}.html" in pages
+    assert not records[0]["success"], "the first trial does not succeed"
+    learned = next(r["trial"] for r in records if r["purpose"] == "repeat") - 1
+    assert learned <= persons.MAX_TRIALS
+    assert said[0] == f"serve: learned at trial {learned}"
+    assert any("1 of 1 virtual persons" in line for line in said)
+    drawings = bars.seen["figures and recordings"]
+    assert drawings[0] == len(drawings) - 1 == 9
+    assert bars.seen["learning from virtual persons"] == [1, 1]
+
+    lines_of = [out / "serve" / TRIALS, out / "persons" / "person00" / TRIALS]
+    stamps = [path.stat().st_mtime_ns for path in lines_of]
+    assert reproduce(out, 0, bars) == said[:3]
+    assert [path.stat().st_mtime_ns for path in lines_of] == stamps

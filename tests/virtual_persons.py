@@ -1,0 +1,15 @@
+"""Persons and their serves into the goal of the shipped scene, practised once."""
+
+from functools import cache
+
+import numpy as np
+
+from drake_viapoint.tasks.serve_person import PersonServe, ServePerson, draw_person, practise
+
+GOAL = np.array([0.4, 2.35, 0.5])
+
+
+@cache
+def person_and_serve(number: int) -> tuple[ServePerson, PersonServe]:
+    person = draw_person(number)
+    return person, practise(person, GOAL)

@@ -229,6 +229,42 @@ def test_ctrl_c_before_the_first_trial(tmp_path: Path) -> None:
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (KeyboardInterrupt(), 130, "the same command goes on from here"),
+        (OSError(errno.ENOSPC, "No space left on device", "x.png"), 2, "x.png: No space left"),
+        (RuntimeError("minimum step\nreached"), 2, "Drake refuses: minimum step reached"),
+    ],
+)
+def test_whatever_stops_a_command_is_one_line(
+    command: Callable[..., Answer],
+    monkeypatch: pytest.MonkeyPatch,
+    error: BaseException,
+    code: int,
+    words: str,
+) -> None:
+    def stopped(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("drake_viapoint.reproduction.reproduce.reproduce", stopped)
+    answer = command("reproduce", "--out", "results")
+    assert answer.code == code
+    assert words in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_a_mistake_of_ours_keeps_its_traceback(
+    command: Callable[..., Answer], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unfinished(*_: object) -> None:
+        raise NotImplementedError
+
+    monkeypatch.setattr("drake_viapoint.reproduction.reproduce.reproduce", unfinished)
+    with pytest.raises(NotImplementedError):
+        command("reproduce", "--out", "results")
+
+
 # --------------------------------------------------------------------------------- run folders
 
 

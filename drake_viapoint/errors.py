@@ -163,3 +163,7 @@ class RunFolderError(ViapointError):
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
         self.path = path
+
+
+class OutcomeError(LearningError, ValueError):
+    """An outcome that lacks a task variable, or whose values do not fit each other."""

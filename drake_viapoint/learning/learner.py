@@ -14,7 +14,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_viapoint.errors import LearningError
+from drake_viapoint.errors import LearningError, OutcomeError
 from drake_viapoint.learning.exploration import Exploration
 from drake_viapoint.learning.generalized_inverse import generalized_inverse
 from drake_viapoint.learning.subtask import Subtask
@@ -57,17 +57,26 @@ class Outcome:
         """Td - T, or None where the trial did not reach it.
 
         Raises:
-            LearningError: The variable is missing from the outcome or is not finite.
+            OutcomeError: The variable or its desired value is missing, or their shapes differ.
+            LearningError: The variable is not finite.
         """
         if task_variable not in self.realized:
-            raise LearningError(
+            raise OutcomeError(
                 f"the outcome has no task variable {task_variable!r}; it has "
                 f"{', '.join(sorted(self.realized)) or 'none'}"
             )
         realized = self.realized[task_variable]
         if realized is None:
             return None
-        error = np.asarray(self.desired[task_variable], dtype=np.float64) - realized
+        if task_variable not in self.desired:
+            raise OutcomeError(f"the outcome does not say what {task_variable} should have been")
+        desired = np.asarray(self.desired[task_variable], dtype=np.float64)
+        if desired.ndim != 1 or desired.shape != np.shape(realized):
+            raise OutcomeError(
+                f"{task_variable} and its desired value must be vectors of the same length, got "
+                f"shapes {np.shape(realized)} and {desired.shape}"
+            )
+        error = desired - realized
         if not np.all(np.isfinite(error)):
             raise LearningError(f"{task_variable} is not finite: {np.asarray(realized).tolist()}")
         return error
@@ -117,7 +126,7 @@ class Learner:
         self._subtasks = tuple(subtasks)
         self._progress = [_Progress() for _ in subtasks]
         self._via_points = via_points
-        self._last_good: ViaPoints | None = None
+        self._last_good = via_points
         self._active = 0
         self._successes_to_learn = successes_to_learn
         self._streak = 0
@@ -207,18 +216,22 @@ class Learner:
         exploration = progress.exploration
         if exploration is None:  # cannot be: exploration trials are proposed by one
             raise LearningError("an exploration trial without an exploration")
-        error = errors[self._active]
-        if self._served_by(errors) < self._active:
-            exploration.restart_pair()
-            self._step(self._active - 1, errors)
-        elif error is None:
+        served = self._served_by(errors)
+        error = errors[served]
+        if error is None:  # its perturbation loses what even the preceding subtask needs
             exploration.shrink()
+        elif served < self._active:
+            exploration.restart_pair()
+            self._step(served, errors)
+            for known in self._progress:
+                known.error = None  # nothing has been executed at the new via-points
         else:
             exploration.record(error)
             if exploration.complete:
                 progress.jacobian = exploration.jacobian
                 progress.exploration = None
-                self._step(self._active, [p.error for p in self._progress])
+                if progress.error is not None:
+                    self._step(self._active, [p.error for p in self._progress])
 
     def _learn_from(self, errors: list[NDArray[np.float64] | None]) -> None:
         for progress, error in zip(self._progress, errors, strict=True):
@@ -230,7 +243,14 @@ class Learner:
         ):
             self._active += 1
         served = self._served_by(errors)
+        while served > 0 and errors[served] is None:
+            served -= 1
         if self._progress[served].jacobian is None:
+            if errors[served] is None:
+                raise LearningError(
+                    f"the first trial did not reach {self._subtasks[served].task_variable}: there "
+                    "is nothing to learn from"
+                )
             self._progress[served].exploration = Exploration(self._subtasks[served])
             self._last_good = self._via_points
             return
@@ -244,11 +264,9 @@ class Learner:
         return index
 
     def _step(self, index: int, errors: list[NDArray[np.float64] | None]) -> None:
-        while errors[index] is None and index > 0:
-            index -= 1
         error = errors[index]
         if error is None:
-            self._back_off(index)
+            self._back_off()
             return
         self._last_good = self._via_points
         subtask, jacobian = self._subtasks[index], self._progress[index].jacobian
@@ -260,16 +278,10 @@ class Learner:
         step = inverse @ (np.asarray(subtask.gain(preceding)) * error)
         self._via_points = self._via_points.moved(subtask.control, step)
 
-    def _back_off(self, index: int) -> None:
+    def _back_off(self) -> None:
         """Go half the way back to the last via-points from which something could be learned."""
-        good = self._last_good
-        if good is None:
-            raise LearningError(
-                f"the first trial did not reach {self._subtasks[index].task_variable}: there is "
-                "nothing to learn from"
-            )
         components = self._via_points.components
-        change = (good.select(components) - self._via_points.select(components)) / 2
+        change = (self._last_good.select(components) - self._via_points.select(components)) / 2
         self._via_points = self._via_points.moved(components, change)
 
 

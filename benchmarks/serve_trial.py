@@ -35,6 +35,7 @@ STEP = 0.0005  # [s] of MuJoCo: lands within about 5 mm
 
 
 def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=1000, help="for the memory figures")
     parser.add_argument("--repeats", type=int, default=30, help="for the times")

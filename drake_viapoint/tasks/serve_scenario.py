@@ -100,9 +100,9 @@ class StrikeLearning:
     taper_start: float = 0.05
     gate: float = 0.1
     """The gain falls from taper_start to 0 at this d; a trial beyond serves subtask 1."""
-    regularization: float = 3e-5
-    """lambda [m2], as for the throw: a direction in which one degree moves the landing point by
-    less than 5 mm is hardly used [assumed]."""
+    regularization: float = 1e-4
+    """As for the throw: a direction in which one degree moves the landing point by less than 1 cm
+    is hardly used [assumed]."""
 
 
 @dataclass

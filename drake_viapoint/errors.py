@@ -152,6 +152,9 @@ class DemonstrationError(ViapointError):
 class ScenarioError(ViapointError):
     """A scenario with an unknown key, a value of the wrong type, or one out of its bounds."""
 
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.splitlines()))  # keys and values may hold anything
+
 
 class RunFolderError(ViapointError):
     """A run folder that cannot be made, read or written.

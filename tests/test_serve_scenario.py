@@ -28,9 +28,10 @@ def leaves(data: dict[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
 
 KEYS = dict(leaves(DEFAULTS))
 NUMBERS = sorted(
-    key for key, value in KEYS.items() if isinstance(value, int | float) and value is not True
+    key
+    for key, value in KEYS.items()
+    if isinstance(value, int | float) and not isinstance(value, bool)
 )
-NUMBERS.remove("simulator.publish_every_time_step")
 LISTS = sorted(key for key, value in KEYS.items() if isinstance(value, list))
 ANY_NUMBER = {"plant.sap_near_rigid_threshold", "simulator.target_realtime_rate"}
 """Bounds of these are Drake's own affair: no serve in event execution depends on them."""

@@ -115,6 +115,26 @@ def test_a_joint_stops_at_its_limit_and_the_others_go_on(
     assert 20 < held < 151
 
 
+def test_a_posture_nearby_is_found_or_none(arm: Arm, ik: InverseKinematics) -> None:
+    """Another bend of the arm may meet the pose, too: a movement could not jump there."""
+    rng = np.random.default_rng(6)
+    lower, upper = arm.limits.lower, arm.limits.upper
+    found = 0
+    for _ in range(40):
+        near = rng.uniform(lower, upper)
+        stuck = rng.choice(7, size=2, replace=False)
+        near[stuck] = np.where(rng.random(2) < 0.5, lower[stuck], upper[stuck])
+        pose = arm.tool_pose(near)
+        moved = ToolPose(pose.rotation, pose.position + 5e-3 * rng.normal(size=3))
+        try:
+            q = solve(ik, [moved], near[None])[0]
+        except UnreachableError:
+            continue
+        found += 1
+        assert np.max(np.abs(q - near)) < 0.5
+    assert found > 10
+
+
 def test_a_pose_does_not_feel_its_neighbours(arm: Arm, ik: InverseKinematics) -> None:
     poses = random_poses(arm, seed=5, n=14)
     together = solve(ik, poses)

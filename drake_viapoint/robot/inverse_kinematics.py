@@ -57,8 +57,9 @@ class InverseKinematics:
             rotations: (n, 3, 3) world from tool.
             positions: (n, 3) [m].
             labels: What to call each pose in an error, such as ``"via-point 3"``.
-            near: (n, k) postures to start from and stay near to [rad], one a pose. If None, the
-                solutions are searched for and stay near to ``reference``.
+            near: (n, k) postures to start from and stay near to [rad], one a pose: a pose that can
+                be met only by another bend of the arm is then out of reach. If None, the solutions
+                are searched for and stay near to ``reference``.
 
         Returns:
             (n, k) joint angles [rad] within the limits.
@@ -85,7 +86,9 @@ class InverseKinematics:
             )
             q[held] = np.clip(bounded, lower, upper)
         for i in np.flatnonzero(self._missed(q, target_r, target_p)).tolist():
-            q[i] = self._nearest(labels[i], target_r[i], target_p[i], reference[i])
+            pose = target_r[i], target_p[i]
+            start = self._search(*pose) if near is None else self._approach(*pose, reference[i])
+            q[i] = self._nearest(labels[i], *pose, start, reference[i])
         return q
 
     def _newton(
@@ -123,6 +126,7 @@ class InverseKinematics:
         label: str,
         target_r: NDArray[np.float64],
         target_p: NDArray[np.float64],
+        start: NDArray[np.float64],
         reference: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """The same conditions with the limits as bounds, for a pose where Newton fails.
@@ -130,7 +134,6 @@ class InverseKinematics:
         Slower, and sure: it begins at a posture that meets the pose within the limits.
         """
         limits = self.arm.limits
-        start = self._search(target_r, target_p)
         if self._missed(start[None], target_r[None], target_p[None])[0]:
             raise self._unreachable(label, start, target_r, target_p)
 
@@ -184,7 +187,7 @@ class InverseKinematics:
     def _search(
         self, target_r: NDArray[np.float64], target_p: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """A posture (k,) near the target, within the limits: the best of bounded least squares."""
+        """A posture (k,) near the target, within the limits: the best of several approaches."""
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
         rng = np.random.default_rng(0)  # the search must not depend on what was drawn before
         drawn = rng.uniform(lower, upper, (_DRAWN, self.arm.num_joints))
@@ -192,7 +195,25 @@ class InverseKinematics:
             drawn, np.tile(target_r, (_DRAWN, 1, 1)), np.tile(target_p, (_DRAWN, 1))
         )
         promising = np.argsort(np.linalg.norm(wrong, axis=1))[: _STARTS - 1]
-        starts = [np.clip(self.reference, lower + 1e-3, upper - 1e-3), *drawn[promising]]
+        best, best_cost = self.reference, np.inf
+        for start in (self.reference, *drawn[promising]):
+            found = self._approach(target_r, target_p, start)
+            cost = float(np.sum(self._pose_error(found[None], target_r[None], target_p[None]) ** 2))
+            if cost < best_cost:
+                best, best_cost = found, cost
+            if best_cost < 1e-12:
+                break
+        return best
+
+    def _approach(
+        self,
+        target_r: NDArray[np.float64],
+        target_p: NDArray[np.float64],
+        start: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """From a posture (k,) to one nearer to the target, within the limits."""
+        lower, upper = self.arm.limits.lower, self.arm.limits.upper
+        inside = np.clip(start, lower + 1e-3, upper - 1e-3)
 
         def residual(q: NDArray[np.float64]) -> NDArray[np.float64]:
             return self._pose_error(q[None], target_r[None], target_p[None])[0]
@@ -200,14 +221,8 @@ class InverseKinematics:
         def slope(q: NDArray[np.float64]) -> NDArray[np.float64]:
             return -self.arm.tool_jacobian(q)
 
-        best, best_cost = starts[0], np.inf
-        for start in starts:
-            fit = least_squares(residual, start, slope, bounds=(lower, upper), max_nfev=100)
-            if fit.cost < best_cost:
-                best, best_cost = fit.x, fit.cost
-            if best_cost < 1e-12:
-                break
-        return np.asarray(best)
+        fit = least_squares(residual, inside, slope, bounds=(lower, upper), max_nfev=100)
+        return np.asarray(fit.x)
 
     def _unreachable(
         self,

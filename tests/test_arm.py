@@ -110,3 +110,20 @@ def test_joints_without_motors_are_no_arm(tmp_path: Path, model: str) -> None:
     )
     with pytest.raises(ModelFileError, match="6 degrees of freedom, 0 actuators"):
         Arm(file, "ball")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_stick_figure_is_rigid_and_ends_at_the_tool(arm: Arm, seed: int) -> None:
+    (q, _), (other, _) = random_state(arm, seed), random_state(arm, seed + 100)
+    figure = arm.joint_positions(q)
+    assert figure.shape == (arm.num_joints + 1, 3)
+    np.testing.assert_array_equal(figure[-1], arm.tool_pose(q).position)
+    np.testing.assert_allclose(
+        np.linalg.norm(np.diff(figure, axis=0), axis=1),
+        np.linalg.norm(np.diff(arm.joint_positions(other), axis=0), axis=1),
+        atol=1e-12,
+    )
+    # no joint moves those before it, nor the place it turns about
+    moved = arm.joint_positions(q + 0.1 * np.eye(arm.num_joints)[3])
+    np.testing.assert_allclose(moved[:4], figure[:4], atol=1e-12)
+    assert np.linalg.norm(moved[-1] - figure[-1]) > 1e-3

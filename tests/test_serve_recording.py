@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from virtual_persons import GOAL, person_and_serve
+from virtual_persons import GOAL, person_and_serve, recorded
 
 from drake_viapoint.demonstration.c3d import write_c3d
 from drake_viapoint.demonstration.impact import find_impact
@@ -105,13 +105,13 @@ def test_the_hit_is_found_where_it_was(number: int) -> None:
 
 
 def test_a_person_is_recorded_the_same_every_time() -> None:
-    one, again, other = record_person(4, GOAL), record_person(4, GOAL), record_person(5, GOAL)
+    one, again, other = recorded(3), record_person(3, GOAL), recorded(1)
     assert one.positions.tobytes() == again.positions.tobytes()
     shared = min(len(one.times), len(other.times))
     assert np.max(np.abs(one.positions[:shared] - other.positions[:shared])) > 0.01
 
 
 def test_the_shipped_file_is_regenerated_byte_for_byte(tmp_path: Path) -> None:
-    write_c3d(tmp_path / "serve.c3d", record_person(0, GOAL))
+    write_c3d(tmp_path / "serve.c3d", recorded(0))
     shipped = (models_path() / "demonstrations/serve.c3d").read_bytes()
     assert (tmp_path / "serve.c3d").read_bytes() == shipped

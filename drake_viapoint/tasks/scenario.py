@@ -8,6 +8,13 @@ from typing import Any, Protocol, TypeVar
 
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+from pydrake.multibody.plant import (
+    ApplyMultibodyPlantConfig,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_viapoint.errors import ScenarioError
 
@@ -70,6 +77,37 @@ def require(condition: bool, key: str, value: object, bound: str) -> None:
 def require_positive(key: str, value: float) -> None:
     """Raise a ScenarioError unless the value is positive and finite."""
     require(math.isfinite(value) and value > 0, key, value, "must be positive")
+
+
+def require_not_negative(key: str, value: float) -> None:
+    """Raise a ScenarioError unless the value is finite and not negative."""
+    require(0 <= value < math.inf, key, value, "must be finite and not negative")
+
+
+def require_one_of(key: str, value: str, choices: tuple[str, ...]) -> None:
+    """Raise a ScenarioError unless the value is one of the choices."""
+    require(value in choices, key, value, f"must be {' or '.join(choices)}")
+
+
+def validate_simulation(plant: MultibodyPlantConfig, simulator: SimulatorConfig) -> None:
+    """Check Drake's own configuration: some values it does not refuse but stops the process for.
+
+    Raises:
+        ScenarioError: Names the value and the bound.
+    """
+    step = plant.time_step
+    require(step == 0, "plant.time_step", step, "must be 0: trials are in continuous time")
+    for name in ("penetration_allowance", "stiction_tolerance", "sap_near_rigid_threshold"):
+        require_positive(f"plant.{name}", getattr(plant, name))
+    longest, accuracy, start = simulator.max_step_size, simulator.accuracy, simulator.start_time
+    require(1e-6 <= longest <= 1, "simulator.max_step_size", longest, "must be in [1e-6, 1]")
+    require(1e-12 <= accuracy <= 1, "simulator.accuracy", accuracy, "must be in [1e-12, 1]")
+    require(start == 0, "simulator.start_time", start, "must be 0")
+    try:
+        ApplyMultibodyPlantConfig(plant, MultibodyPlant(step))
+        ApplySimulatorConfig(simulator, Simulator(ConstantVectorSource([0.0])))
+    except RuntimeError as error:
+        raise ScenarioError(f"plant or simulator: {' '.join(str(error).split())}") from error
 
 
 _YAML_FAULTS = (RuntimeError, ValueError, TypeError, AssertionError, AttributeError)

@@ -5,19 +5,17 @@ types, not as strings (so no postponed annotations here). Lengths in metres, mas
 angles in radians, times in seconds.
 """
 
-import math
 from dataclasses import dataclass, field
 
-from pydrake.multibody.plant import (
-    ApplyMultibodyPlantConfig,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-)
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.multibody.plant import MultibodyPlantConfig
+from pydrake.systems.analysis import SimulatorConfig
 
-from drake_viapoint.errors import ScenarioError
-from drake_viapoint.tasks.scenario import require, require_positive
+from drake_viapoint.tasks.scenario import (
+    require,
+    require_not_negative,
+    require_positive,
+    validate_simulation,
+)
 
 
 @dataclass
@@ -178,43 +176,15 @@ class ServeScenario:
         require_positive("demonstration.cutoff", watched.cutoff)
         require_positive("demonstration.angle_weight", watched.angle_weight)
         self._validate_learning()
-        self._validate_simulation()
+        validate_simulation(self.plant, self.simulator)
         require(self.seed >= 0, "seed", self.seed, "must not be negative")
-
-    def _validate_simulation(self) -> None:
-        """Drake's own configuration: some values it does not refuse but stops the process for."""
-        plant, simulator = self.plant, self.simulator
-        step = plant.time_step
-        require(
-            step == 0, "plant.time_step", step, "must be 0: event execution is in continuous time"
-        )
-        for name in ("penetration_allowance", "stiction_tolerance", "sap_near_rigid_threshold"):
-            require_positive(f"plant.{name}", getattr(plant, name))
-        longest, accuracy, start = (
-            simulator.max_step_size,
-            simulator.accuracy,
-            simulator.start_time,
-        )
-        require(1e-6 <= longest <= 1, "simulator.max_step_size", longest, "must be in [1e-6, 1]")
-        require(1e-12 <= accuracy <= 1, "simulator.accuracy", accuracy, "must be in [1e-12, 1]")
-        require(start == 0, "simulator.start_time", start, "must be 0")
-        try:
-            ApplyMultibodyPlantConfig(plant, MultibodyPlant(step))
-            ApplySimulatorConfig(simulator, Simulator(ConstantVectorSource([0.0])))
-        except RuntimeError as error:
-            raise ScenarioError(f"plant or simulator: {' '.join(str(error).split())}") from error
 
     def _validate_learning(self) -> None:
         learning = self.learning
         for name, subtask in (("throw", learning.throw), ("strike", learning.strike)):
             require_positive(f"learning.{name}.perturbation", subtask.perturbation)
             require_positive(f"learning.{name}.gain", subtask.gain)
-            require(
-                0 <= subtask.regularization < math.inf,
-                f"learning.{name}.regularization",
-                subtask.regularization,
-                "must be finite and not negative",
-            )
+            require_not_negative(f"learning.{name}.regularization", subtask.regularization)
             require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
         require_positive("learning.throw.reached", learning.throw.reached)
         require_positive("learning.strike.gate", learning.strike.gate)

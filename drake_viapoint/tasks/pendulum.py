@@ -1,0 +1,133 @@
+"""A pendulum on a moving hinge, by the paper's difference equation (section 3.3.1, Eq. 13).
+
+The angle theta is 0 where the pendulum is inverted and -pi where it hangs at first; it grows
+anticlockwise as seen from the front (x right, z up), so the tip is at x - l sin theta. It is never
+wrapped: going over the top is an overshoot, not a jump.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_viapoint.errors import ScenarioError
+from drake_viapoint.motion.minimum_jerk import minimum_jerk
+from drake_viapoint.tasks.flight import GRAVITY
+
+HANGING = -np.pi
+"""Angle of the pendulum before the movement [rad]."""
+
+
+class PendulumMotion(NamedTuple):
+    """How hand and pendulum moved, at n times; a batch of b movements has arrays (b, n)."""
+
+    times: NDArray[np.float64]  # (n,) [s]
+    hand: NDArray[np.float64]  # (..., n) x of the hinge [m]
+    angle: NDArray[np.float64]  # (..., n) theta [rad]
+    speed: NDArray[np.float64]  # (..., n) omega [rad/s]
+
+    def tip(self, length: float) -> NDArray[np.float64]:
+        """Where the end of a pendulum is (..., n, 2): x and height above the hinge [m]."""
+        x = self.hand - length * np.sin(self.angle)
+        return np.stack([x, length * np.cos(self.angle)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Pendulum:
+    """All its mass at the tip.
+
+    Attributes:
+        length: From the hinge to the tip [m].
+        damping: Viscous, as a share of the speed lost in a second [1/s].
+    """
+
+    length: float
+    damping: float = 0.0
+
+
+class Recurrence:
+    """The paper's difference equation, for movements with the same times, a batch in one call.
+
+    The hand's acceleration along a minimum-jerk path is linear in its via-points, so one matrix,
+    found once, stands for the spline.
+
+    Args:
+        times: (m,) of the via-points, from 0 on [s].
+        pendulum: What swings.
+        time_step: Delta [s]; divides the duration.
+
+    Raises:
+        ScenarioError: The time step does not divide the duration.
+    """
+
+    def __init__(self, times: ArrayLike, pendulum: Pendulum, time_step: float) -> None:
+        t = np.asarray(times, dtype=np.float64)
+        steps = whole_steps(float(t[-1] - t[0]), time_step)
+        self.times = t[0] + time_step * np.arange(steps + 1)  # (n,)
+        basis = minimum_jerk(t, np.eye(t.size))
+        self._hand = basis(self.times)  # (n, m)
+        self._acceleration = basis.derivative(2)(self.times[:-1])  # (n - 1, m)
+        self._kept = 1.0 - pendulum.damping * time_step  # 1 - alpha_1
+        self._gain = time_step * GRAVITY / pendulum.length  # alpha_2
+        self._step = time_step
+
+    def __call__(self, x: ArrayLike) -> PendulumMotion:
+        """Move the hand through via-points and see what the pendulum does.
+
+        Args:
+            x: (m,) or (b, m) places of the hand at the via-points [m].
+
+        Raises:
+            ScenarioError: Not as many via-points as times.
+        """
+        points = np.atleast_2d(np.asarray(x, dtype=np.float64))
+        if points.ndim != 2 or points.shape[1] != self._hand.shape[1]:
+            raise ScenarioError(
+                f"the movement has {self._hand.shape[1]} via-points, got an array of shape "
+                f"{np.shape(x)}"
+            )
+        angle, speed = self._swing(points)
+        batch = np.shape(x)[:-1]
+        hand = (points @ self._hand.T).reshape(*batch, -1)
+        return PendulumMotion(
+            self.times, hand, angle.T.reshape(*batch, -1), speed.T.reshape(*batch, -1)
+        )
+
+    def _swing(
+        self, points: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Angle and speed, one row a step: rows are contiguous, so each step is quick."""
+        drive = (self._gain / GRAVITY) * (self._acceleration @ points.T)  # (n - 1, b)
+        angle = np.empty((self.times.size, len(points)))
+        speed = np.empty_like(angle)
+        angle[0], speed[0] = HANGING, 0.0
+        pull, push = np.empty(len(points)), np.empty(len(points))
+        for k, along in enumerate(drive):
+            np.sin(angle[k], out=pull)
+            pull *= self._gain
+            np.cos(angle[k], out=push)
+            push *= along
+            np.multiply(speed[k], self._kept, out=speed[k + 1])
+            speed[k + 1] += pull
+            speed[k + 1] += push
+            np.multiply(speed[k + 1], self._step, out=angle[k + 1])
+            angle[k + 1] += angle[k]
+        return angle, speed
+
+
+def whole_steps(duration: float, time_step: float) -> int:
+    """How often a time step fits into a duration.
+
+    Raises:
+        ScenarioError: It does not, to a millionth of a step; names the nearest that do.
+    """
+    steps = max(1, round(duration / time_step))
+    if abs(duration / time_step - steps) > 1e-6:
+        raise ScenarioError(
+            f"time_step {time_step:.9g} s does not divide the movement of {duration:.9g} s; "
+            f"{duration / steps:.9g} s would, in {steps} steps"
+        )
+    return steps

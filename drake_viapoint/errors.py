@@ -170,3 +170,24 @@ class RunFolderError(ViapointError):
 
 class OutcomeError(LearningError, ValueError):
     """An outcome that lacks a task variable, or whose values do not fit each other."""
+
+
+class OutcomeNotFiniteError(LearningError):
+    """A trial from which nothing can be learned: a task variable is not a number.
+
+    Attributes:
+        task_variable: Its name.
+        value: What was told.
+        trial: Number of the trial, where known.
+    """
+
+    def __init__(self, task_variable: str, value: list[float], trial: int | None = None) -> None:
+        which = "" if trial is None else f"trial {trial}: "
+        super().__init__(f"{which}{task_variable} is not finite: {value}")
+        self.task_variable = task_variable
+        self.value = value
+        self.trial = trial
+
+    def of_trial(self, trial: int) -> OutcomeNotFiniteError:
+        """The same, naming the trial."""
+        return OutcomeNotFiniteError(self.task_variable, self.value, trial)

@@ -70,7 +70,7 @@ def test_a_restarted_pair_keeps_its_size() -> None:
     explored = exploration((0.04,))
     explored.shrink()
     explored.record(np.array([7.0]))
-    explored.restart_pair()
+    explored.restart()
     assert explored.next_change().tolist() == [0.02]
     explored.record(np.array([1.0]))
     explored.record(np.array([1.4]))

@@ -11,9 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from drake_viapoint.errors import LearningError, OutcomeError, ViaPointsError
+from drake_viapoint.errors import (
+    LearningError,
+    OutcomeError,
+    OutcomeNotFiniteError,
+    ViaPointsError,
+)
+from drake_viapoint.learning.ask_tell import Outcome, Proposal, Purpose
 from drake_viapoint.learning.gain import ConstantGain, TaperedGain
-from drake_viapoint.learning.learner import Learner, Outcome, Proposal, Purpose
+from drake_viapoint.learning.learner import Learner
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 
@@ -527,18 +533,22 @@ def test_an_outcome_before_a_question_is_refused() -> None:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 @pytest.mark.parametrize("where", ["realized", "desired"])
-def test_what_is_not_finite_is_refused_by_name_and_may_be_told_again(
+def test_what_is_not_finite_is_refused_by_name_and_number_and_tried_again(
     value: float, where: str
 ) -> None:
     learner = Learner(via_points(), (THROW, STRIKE))
     learner.ask()
     good = outcome()
     bad = {"T_H": np.zeros(2), "T_G": np.array([0.0, value])}
-    with pytest.raises(LearningError, match="T_G is not finite"):
+    asked = learner.ask()
+    with pytest.raises(OutcomeNotFiniteError, match="trial 1: T_G is not finite") as refused:
         learner.tell(replace(good, **{where: bad}))
-    assert learner.trials == 0
+    assert refused.value.trial == 1
+    assert learner.trials == 1  # it was executed
+    assert learner.ask() is asked  # and is to be executed once more
     learner.tell(good)
-    assert learner.trials == 1
+    assert learner.trials == 2
+    assert learner.ask() is not asked
 
 
 def test_a_missing_task_variable_is_named() -> None:

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from drake_viapoint.errors import LearningError, RunFolderError
+from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain
-from drake_viapoint.learning.learner import Outcome
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.runs.learning_run import RunResult, learn, trial_seed

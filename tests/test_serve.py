@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from drake_viapoint.errors import ScenarioError, ViaPointsError
+from drake_viapoint.learning.ask_tell import Purpose
 from drake_viapoint.learning.gain import ConstantGain
-from drake_viapoint.learning.learner import Learner, Purpose
+from drake_viapoint.learning.learner import Learner
 from drake_viapoint.tasks.serve import ServeTask, serve_subtasks
 from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
 from drake_viapoint.tasks.serve_trial import STRIKE, THROW

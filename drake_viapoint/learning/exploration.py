@@ -1,4 +1,4 @@
-"""A Jacobian from trials made for nothing else: each component moved up and down (Eqs. 2, 3)."""
+"""A Jacobian from trials made for nothing else: each component moved by itself (Eqs. 2, 3, 16)."""
 
 from __future__ import annotations
 
@@ -12,21 +12,26 @@ _LARGEST_NUMBER_OF_HALVINGS = 4
 
 
 class Exploration:
-    """Central differences, one pair of trials a component.
+    """Differences, component by component: central ones, or one-sided ones from where we stand.
 
-    A trial that does not reach the task variable makes its pair start again at half the size: a
-    perturbation that loses the ball says nothing about the slope.
+    A trial that does not reach the task variable makes its component start again at half the size:
+    a perturbation that loses the ball says nothing about the slope.
+
+    Args:
+        subtask: Whose components are moved, how far, and whether to one side only.
+        error: Td - T (m,) of the trial explored around, if it reached T.
     """
 
-    def __init__(self, subtask: Subtask) -> None:
+    def __init__(self, subtask: Subtask, error: NDArray[np.float64] | None = None) -> None:
         self._subtask = subtask
         self._columns: list[NDArray[np.float64]] = []
-        self._first_of_pair: NDArray[np.float64] | None = None
+        # Td - T that the next trial is compared with; None if that one is still to be executed
+        self._compared = error if subtask.one_sided else None
         self._halvings = 0
 
     @property
     def complete(self) -> bool:
-        """Whether every component has been moved both ways."""
+        """Whether every component has been moved."""
         return len(self._columns) == len(self._subtask.control)
 
     @property
@@ -37,31 +42,38 @@ class Exploration:
     def next_change(self) -> NDArray[np.float64]:
         """The change of S to try next. Shape (k,)."""
         change = np.zeros(len(self._subtask.control))
-        change[len(self._columns)] = self._size if self._first_of_pair is None else -self._size
+        if self._subtask.one_sided:
+            change[len(self._columns)] = 0.0 if self._compared is None else self._size
+        else:
+            change[len(self._columns)] = self._size if self._compared is None else -self._size
         return change
 
     def record(self, error: NDArray[np.float64]) -> None:
         """Take in Td - T (m,) of the trial that made ``next_change``."""
-        if self._first_of_pair is None:
-            self._first_of_pair = error
+        if self._compared is None:
+            self._compared = error
             return
-        # the error falls as T rises, hence the order of the difference
-        self._columns.append((error - self._first_of_pair) / (2 * self._size))
-        self._first_of_pair = None
+        # the error falls as T rises, hence the order of the differences
+        if self._subtask.one_sided:
+            self._columns.append((self._compared - error) / self._size)
+        else:
+            self._columns.append((error - self._compared) / (2 * self._size))
+            self._compared = None
         self._halvings = 0
 
-    def restart_pair(self) -> None:
-        """Forget the half-made pair: the point it starts from has moved."""
-        self._first_of_pair = None
+    def restart(self) -> None:
+        """Forget what the next trial was to be compared with: the point explored around moved."""
+        self._compared = None
 
     def shrink(self) -> None:
-        """Start the pair again at half the size.
+        """Start the component again at half the size.
 
         Raises:
             LearningError: The perturbation has been halved too often.
         """
         self._halvings += 1
-        self._first_of_pair = None
+        if not self._subtask.one_sided:
+            self._compared = None
         if self._halvings > _LARGEST_NUMBER_OF_HALVINGS:
             component = self._subtask.control[len(self._columns)]
             raise LearningError(

@@ -7,86 +7,28 @@ telling a new learner what has been recorded.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_viapoint.errors import LearningError, OutcomeError
+from drake_viapoint.errors import LearningError, OutcomeNotFiniteError
+from drake_viapoint.learning.ask_tell import Outcome, Proposal, Purpose
 from drake_viapoint.learning.exploration import Exploration
 from drake_viapoint.learning.generalized_inverse import generalized_inverse
+from drake_viapoint.learning.jacobian import Observation
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
-
-
-class Purpose(StrEnum):
-    """Why a trial is executed."""
-
-    EXPLORATION = "exploration"
-    LEARNING = "learning"
-    REPEAT = "repeat"
-
-
-@dataclass(frozen=True)
-class Proposal:
-    """What to execute next, and why."""
-
-    via_points: ViaPoints
-    purpose: Purpose
-    subtask: str
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came out of a trial.
-
-    Attributes:
-        realized: T of each task variable, None where the trial did not reach it.
-        desired: Td of each task variable; it may differ from trial to trial, as the place of the
-            racket does that the ball should meet.
-        success: Whether this trial met the bar of the whole task.
-    """
-
-    realized: Mapping[str, NDArray[np.float64] | None]
-    desired: Mapping[str, NDArray[np.float64]]
-    success: bool
-
-    def error(self, task_variable: str) -> NDArray[np.float64] | None:
-        """Td - T, or None where the trial did not reach it.
-
-        Raises:
-            OutcomeError: The variable or its desired value is missing, or their shapes differ.
-            LearningError: The variable is not finite.
-        """
-        if task_variable not in self.realized:
-            raise OutcomeError(
-                f"the outcome has no task variable {task_variable!r}; it has "
-                f"{', '.join(sorted(self.realized)) or 'none'}"
-            )
-        realized = self.realized[task_variable]
-        if realized is None:
-            return None
-        if task_variable not in self.desired:
-            raise OutcomeError(f"the outcome does not say what {task_variable} should have been")
-        desired = np.asarray(self.desired[task_variable], dtype=np.float64)
-        if desired.ndim != 1 or desired.shape != np.shape(realized):
-            raise OutcomeError(
-                f"{task_variable} and its desired value must be vectors of the same length, got "
-                f"shapes {np.shape(realized)} and {desired.shape}"
-            )
-        error = desired - realized
-        if not np.all(np.isfinite(error)):
-            raise LearningError(f"{task_variable} is not finite: {np.asarray(realized).tolist()}")
-        return error
 
 
 @dataclass
 class _Progress:
     """What the learner knows of one subtask."""
 
-    jacobian: NDArray[np.float64] | None = None  # (m, k)
+    jacobian: NDArray[np.float64] | None = None  # (m, k) [units of T a perturbation]
+    explored_at: int = 0  # trials told when it was last explored
+    observations: list[Observation] = field(default_factory=list)
     error: NDArray[np.float64] | None = None  # (m,) of the last trial at the current via-points
     exploration: Exploration | None = field(default=None)
 
@@ -98,13 +40,15 @@ class Learner:
     """Learns a chain of subtasks by Newton-like steps (sections 2.1.2 and 2.1.3).
 
     The first trial executes the via-points as they are. Then, subtask by subtask: explore its
-    Jacobian, and step S by J# B (Td - T) after every trial. A trial in which the preceding
-    subtask fails (its error is not below the gate) serves that one instead.
+    Jacobian, and step S by J# B (Td - T) after every trial, with the Jacobian kept, explored again
+    or re-estimated in the subtask's own way. A trial in which the preceding subtask fails (its
+    error is not below the gate) serves that one instead.
 
     Args:
         via_points: Where to start.
         subtasks: In the order in which the movement meets them.
-        successes_to_learn: The task is learned after so many successful trials in a row.
+        successes_to_learn: The task is learned after so many successful trials in a row; never if
+            0, and there is always a next trial.
         repeats: Trials of the learned movement executed unchanged afterwards.
 
     Raises:
@@ -159,7 +103,7 @@ class Learner:
     def jacobians(self) -> dict[str, NDArray[np.float64]]:
         """Estimated Jacobian (m, k) of each subtask that has one, by name."""
         return {
-            subtask.name: progress.jacobian
+            subtask.name: progress.jacobian / np.asarray(subtask.perturbation)
             for subtask, progress in zip(self._subtasks, self._progress, strict=True)
             if progress.jacobian is not None
         }
@@ -181,25 +125,40 @@ class Learner:
 
         Raises:
             LearningError: Nothing was asked for, or nothing can be learned from the outcome.
+            OutcomeNotFiniteError: A task variable is not finite. The trial counts, nothing is
+                learned from it, and the same via-points are asked for again.
         """
         proposal = self._proposal
         if proposal is None:
             raise LearningError("ask for a trial before telling its outcome")
-        errors = [outcome.error(subtask.task_variable) for subtask in self._subtasks]
+        try:
+            errors = [outcome.error(subtask.task_variable) for subtask in self._subtasks]
+        except OutcomeNotFiniteError as error:
+            self._trials += 1
+            self._streak = 0
+            raise error.of_trial(self._trials) from None
         self._trials += 1
         self._proposal = None
         if proposal.purpose is Purpose.REPEAT:
             self._repeats_left -= 1
             return
         self._streak = self._streak + 1 if outcome.success else 0
-        if self._streak == self._successes_to_learn:
+        if outcome.success and self._streak == self._successes_to_learn:
             self._learned_at = self._trials
             self._via_points = proposal.via_points  # exactly what succeeded
             return
+        self._observe(proposal.via_points, errors)
         if proposal.purpose is Purpose.EXPLORATION:
             self._learn_from_exploration(errors)
         else:
             self._learn_from(errors)
+
+    def _observe(self, executed: ViaPoints, errors: list[NDArray[np.float64] | None]) -> None:
+        for index, (subtask, error) in enumerate(zip(self._subtasks, errors, strict=True)):
+            passed = index == 0 or _norm(errors[index - 1]) < subtask.gate
+            if error is not None and passed:
+                control = executed.select(subtask.control) / np.asarray(subtask.perturbation)
+                self._progress[index].observations.append(Observation(control, error))
 
     def _propose(self) -> Proposal:
         subtask = self._subtasks[self._active]
@@ -221,14 +180,16 @@ class Learner:
         if error is None:  # its perturbation loses what even the preceding subtask needs
             exploration.shrink()
         elif served < self._active:
-            exploration.restart_pair()
+            exploration.restart()
             self._step(served, errors)
             for known in self._progress:
                 known.error = None  # nothing has been executed at the new via-points
         else:
             exploration.record(error)
             if exploration.complete:
-                progress.jacobian = exploration.jacobian
+                size = np.asarray(self._subtasks[self._active].perturbation)
+                progress.jacobian = exploration.jacobian * size
+                progress.explored_at = self._trials
                 progress.exploration = None
                 if progress.error is not None:
                     self._step(self._active, [p.error for p in self._progress])
@@ -245,16 +206,25 @@ class Learner:
         served = self._served_by(errors)
         while served > 0 and errors[served] is None:
             served -= 1
-        if self._progress[served].jacobian is None:
-            if errors[served] is None:
-                raise LearningError(
-                    f"the first trial did not reach {self._subtasks[served].task_variable}: there "
-                    "is nothing to learn from"
-                )
-            self._progress[served].exploration = Exploration(self._subtasks[served])
+        if self._explores(served, errors[served]):
+            self._progress[served].exploration = Exploration(self._subtasks[served], errors[served])
             self._last_good = self._via_points
             return
         self._step(served, errors)
+
+    def _explores(self, index: int, error: NDArray[np.float64] | None) -> bool:
+        """Whether to explore around the trial just told, whose error this is."""
+        subtask, progress = self._subtasks[index], self._progress[index]
+        if progress.jacobian is None and error is None:
+            raise LearningError(
+                f"the first trial did not reach {subtask.task_variable}: there is nothing to "
+                "learn from"
+            )
+        if progress.jacobian is None:
+            return True
+        # exploring serves the active subtask; an earlier one steps with what it has
+        again = index == self._active and error is not None
+        return again and subtask.jacobian.explores_again(self._trials, progress.explored_at)
 
     def _served_by(self, errors: list[NDArray[np.float64] | None]) -> int:
         """The latest subtask, up to the active one, whose gate the trial passed."""
@@ -269,14 +239,16 @@ class Learner:
             self._back_off()
             return
         self._last_good = self._via_points
-        subtask, jacobian = self._subtasks[index], self._progress[index].jacobian
-        if jacobian is None:
+        subtask, progress = self._subtasks[index], self._progress[index]
+        if progress.jacobian is None:
             raise LearningError(f"subtask {subtask.name!r} has no Jacobian yet")
+        jacobian = subtask.jacobian.revised(progress.jacobian, progress.observations)
+        progress.jacobian = jacobian
         preceding = _norm(errors[index - 1]) if index > 0 else 0.0
-        size = np.asarray(subtask.perturbation)
-        inverse = size[:, None] * generalized_inverse(jacobian * size, subtask.regularization)
+        inverse = generalized_inverse(jacobian, subtask.regularization)
         step = inverse @ (np.asarray(subtask.gain(preceding)) * error)
-        self._via_points = self._via_points.moved(subtask.control, step)
+        change = step * np.asarray(subtask.perturbation)
+        self._via_points = self._via_points.moved(subtask.control, change)
 
     def _back_off(self) -> None:
         """Go half the way back to the last via-points from which something could be learned."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from drake_viapoint.errors import LearningError
 from drake_viapoint.learning.gain import Gain
+from drake_viapoint.learning.jacobian import KeptJacobian
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,9 @@ class Subtask:
         reached: The next subtask starts once the norm of Td - T is below this [units of T].
         gate: A trial counts for this subtask only if the preceding subtask's norm of Td - T is
             below this; otherwise it serves the preceding one.
+        jacobian: What becomes of the Jacobian once explored.
+        one_sided: Explore by one trial a component, compared with the trial explored around,
+            instead of by one up and one down.
     """
 
     name: str
@@ -35,6 +39,8 @@ class Subtask:
     regularization: float
     reached: float
     gate: float = np.inf
+    jacobian: KeptJacobian = field(default_factory=KeptJacobian)
+    one_sided: bool = False
 
     def __post_init__(self) -> None:
         if not self.control or len(self.control) != len(self.perturbation):

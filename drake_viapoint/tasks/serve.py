@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from drake_viapoint.errors import ScenarioError, UnreachableError
+from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain, TaperedGain
-from drake_viapoint.learning.learner import Outcome
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_viapoint.learning.learner import Outcome
+from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.robot.arm_motion import ArmMotion
 from drake_viapoint.tasks.flight import Flight
 

@@ -191,3 +191,35 @@ class OutcomeNotFiniteError(LearningError):
     def of_trial(self, trial: int) -> OutcomeNotFiniteError:
         """The same, naming the trial."""
         return OutcomeNotFiniteError(self.task_variable, self.value, trial)
+
+
+class EndStateError(ViapointError):
+    """An upswing whose end state is neither given nor seen.
+
+    Attributes:
+        marker: The marker of the pendulum's tip that would show it.
+    """
+
+    def __init__(self, reason: str, marker: str) -> None:
+        super().__init__(
+            f"the end state of the upswing is not given: {reason}; give demonstration.end_angle "
+            f"and demonstration.end_speed, or a marker {marker!r} seen to the end"
+        )
+        self.marker = marker
+
+
+class HangingError(ViapointError):
+    """An upswing whose recording begins with a pendulum that does not hang.
+
+    Attributes:
+        deviation: From hanging, at first [rad].
+        bound: What it may be [rad].
+    """
+
+    def __init__(self, deviation: float, bound: float) -> None:
+        super().__init__(
+            f"the pendulum is {deviation:.3g} rad from hanging when the recording starts, more "
+            f"than {bound:g}: record it from the start, at rest"
+        )
+        self.deviation = deviation
+        self.bound = bound

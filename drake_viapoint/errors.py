@@ -223,3 +223,29 @@ class HangingError(ViapointError):
         )
         self.deviation = deviation
         self.bound = bound
+
+
+class LineReachError(UnreachableError):
+    """A place on the hand's line that the arm does not reach.
+
+    Attributes:
+        label: What should have been there, such as ``"via-point 3"``.
+        place: x along the line [m].
+        reach: Least and largest x within reach [m].
+        distance: How far the place is beyond [m].
+    """
+
+    def __init__(self, label: str, place: float, reach: tuple[float, float]) -> None:
+        low, high = reach
+        distance = max(place - high, low - place)
+        message = (
+            f"{label} is out of reach: x = {place:.3f} m, {1e3 * distance:.1f} mm beyond the arm's "
+            f"reach from {low:.3f} m to {high:.3f} m"
+        )
+        ViapointError.__init__(self, message)
+        self.label = label
+        self.distance = distance
+        self.angle = 0.0
+        self.at_limit = ()
+        self.place = place
+        self.reach = reach

@@ -53,7 +53,7 @@ class Tracking:
         natural_frequency: float,
     ) -> None:
         k = arm.num_joints
-        self._arm = arm
+        self.arm = arm
         stiffness = np.full(k, natural_frequency**2)
         damping = np.full(k, 2 * natural_frequency)
         hold = BSpline(np.r_[np.zeros(6), np.ones(6)], np.tile(arm.rest, (6, 1)), 5)
@@ -88,9 +88,9 @@ class Tracking:
         Raises:
             RetargetingError: The trajectory is not one of this arm's joints.
         """
-        if trajectory.c.ndim != 2 or trajectory.c.shape[1] != self._arm.num_joints:
+        if trajectory.c.ndim != 2 or trajectory.c.shape[1] != self.arm.num_joints:
             raise RetargetingError(
-                f"the arm has {self._arm.num_joints} joints, the trajectory {trajectory.c.shape}"
+                f"the arm has {self.arm.num_joints} joints, the trajectory {trajectory.c.shape}"
             )
         self._source.UpdateTrajectory(drake_trajectory(trajectory))
 

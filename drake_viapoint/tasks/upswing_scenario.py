@@ -60,7 +60,7 @@ class UpswingRobot:
     directives: str = "package://drake_viapoint/arm_with_axle.dmd.yaml"
     arm: str = "arm"
     tool_frame: str = "axle"
-    line: list[float] = field(default_factory=lambda: [0.25, 0.35, 1.2])
+    line: list[float] = field(default_factory=lambda: [0.0, 0.44, 1.215])
     """Where the hand is at x = 0, in the world; it moves along the world's x from there."""
     orientation: list[float] = field(default_factory=lambda: [0.0, 1.5707963267948966, 0.0])
     """ZYZ angles of the axle's frame; its y is the pendulum's axis and looks forward."""
@@ -119,7 +119,7 @@ class UpswingScenario:
     plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
     simulator: SimulatorConfig = field(
         default_factory=lambda: SimulatorConfig(
-            integration_scheme="runge_kutta5", accuracy=1e-4, max_step_size=0.02
+            integration_scheme="runge_kutta5", accuracy=1e-4, max_step_size=0.01
         )
     )
     seed: int = 0

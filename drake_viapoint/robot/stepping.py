@@ -1,0 +1,96 @@
+"""Integrating a diagram by steps of one length, so short that the integrator rejects none.
+
+After a step that Drake (1.51) rejects for its error it starts the next one with what it had cached
+at the rejected step's end, at the cost of a hundred times the error. So the steps are the longest
+allowed if all of them are accepted, else half as long, and so on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import Context, Diagram, EventStatus
+
+T = TypeVar("T")
+
+_MOST_HALVINGS = 4  # of the step; a torque that is clamped makes kinks that no step resolves
+
+
+class Stepping:
+    """Integrates one diagram again and again, each time as if it were the first.
+
+    Args:
+        diagram: What moves.
+        config: Integrator, accuracy and longest step.
+
+    Attributes:
+        context: The diagram's, which all steps change in place.
+    """
+
+    def __init__(self, diagram: Diagram, config: SimulatorConfig) -> None:
+        self._diagram = diagram
+        self._config = config
+        self._simulator = Simulator(diagram)
+        self.context: Context = self._simulator.get_mutable_context()
+        self._longest_step = config.max_step_size
+        self._rejected = 0
+
+    def until_accepted(self, attempt: Callable[[], T]) -> T:
+        """The outcome of the first attempt in which no step is rejected, or of the last made.
+
+        Args:
+            attempt: Calls ``reset`` and then ``advance`` or ``go``, as often as it likes.
+        """
+        for halvings in range(_MOST_HALVINGS + 1):
+            self._longest_step = self._config.max_step_size / 2**halvings
+            self._rejected = 0
+            outcome = attempt()
+            if not self._rejected:
+                break
+        return outcome
+
+    def reset(self, time: float) -> None:
+        """Bring the context to its default state at a time [s], and forget earlier steps."""
+        self._diagram.SetDefaultContext(self.context)
+        self.context.SetTime(time)
+        # an integrator keeps the step it adapted to in the trial before; this makes it forget
+        ApplySimulatorConfig(self._config, self._simulator)
+        self._simulator.get_mutable_integrator().set_maximum_step_size(self._longest_step)
+
+    def advance(self, end: float, watch: Callable[[], bool]) -> None:
+        """Integrate to a time [s], or to the first step at which a watch says stop.
+
+        Args:
+            end: When to stop at the latest.
+            watch: Called before the first step and after each; true to stop there.
+        """
+        go_on = EventStatus.DidNothing()
+        stop = EventStatus.ReachedTermination(self._diagram, "the watch says stop")
+        stopped = False
+
+        def monitor(_: Context) -> EventStatus:
+            nonlocal stopped
+            stopped = watch()
+            return stop if stopped else go_on
+
+        self._simulator.set_monitor(monitor)
+        self._simulator.Initialize()  # also reports the first state to the monitor
+        if not stopped:
+            self._advance(end)
+        self._simulator.clear_monitor()
+
+    def go(self, start: float, state: NDArray[np.float64], end: float) -> None:
+        """Integrate from a continuous state at one time [s] to another, with nobody watching."""
+        self.context.SetTime(start)
+        self.context.SetContinuousState(state)
+        self._simulator.Initialize()
+        self._advance(end)
+
+    def _advance(self, end: float) -> None:
+        self._simulator.AdvanceTo(end)
+        integrator = self._simulator.get_integrator()  # counts from its initialisation on
+        self._rejected += integrator.get_num_step_shrinkages_from_error_control()

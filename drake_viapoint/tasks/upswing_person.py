@@ -145,8 +145,8 @@ def practise(person: UpswingPerson, rng: np.random.Generator) -> PersonUpswing:
     """
     for number in range(1, _TRIES + 1):
         plan = first_plan(person.mind, person.frames, rng)
-        upswing = _try(person, plan, rng, number)
-        if worked(upswing):
+        upswing = None if plan is None else _try(person, plan, rng, number)
+        if upswing is not None and worked(upswing):
             return upswing
     raise DemonstrationError(f"{_TRIES} tries do not bring this person's pendulum up")
 

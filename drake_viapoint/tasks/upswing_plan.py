@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.optimize import least_squares
 
-from drake_viapoint.errors import DemonstrationError
 from drake_viapoint.motion.minimum_jerk import EndMotion, minimum_jerk
 from drake_viapoint.tasks.flight import GRAVITY
 from drake_viapoint.tasks.pendulum import HANGING
@@ -23,10 +22,12 @@ from drake_viapoint.tasks.pendulum import HANGING
 FRAME = 1 / 60
 """A duration is so many times this, and the mind reckons in such steps: the cameras' period [s]."""
 
-_SPACING = 0.3  # [s] about, between the points of a plan
+_SPACING = 0.36  # [s] about, between the points of a plan
 _IDEAS = 400  # paths that come to mind before one is worked out
+_WORKED_OUT = 8  # of them, at most
 _UPRIGHT = np.array([0.02, 0.1])  # [rad], [rad/s] a plan ends about so near to inverted and still
-_EFFORT = 60.0  # [m/s2] weighs the hand's acceleration in a frame
+_ENOUGH = 2.0  # times that far from it, and the plan will do
+_JERK = 60.0  # [m/s3] weighs the hand's jerk in a frame
 _BRISK = 11.0, 2.0  # [m/s2] acceleration that one likes to stay below, and leeway past it
 _LEEWAY = 0.02  # [m] past the reach that one likes
 _FIRST_CHANGE = 0.1  # [m] by which a path is changed when it is worked out
@@ -78,6 +79,7 @@ class _Paths:
         frame = FRAME * np.arange(frames + 1)
         self.place = self._basis(frame)  # (frames + 1, m + 2)
         self.push = self._basis.derivative(2)(frame)
+        self.jerk = self._basis.derivative(3)(frame[::3])
 
     def columns(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the basis is multiplied by (m + 2, b) for points (b, m - 1) after the first."""
@@ -90,7 +92,7 @@ class _Paths:
         return BSpline(self._basis.t, self._basis.c @ self.columns(points[None])[:, 0], 5)
 
 
-def first_plan(mind: Mind, frames: int, rng: np.random.Generator) -> BSpline[np.float64]:
+def first_plan(mind: Mind, frames: int, rng: np.random.Generator) -> BSpline[np.float64] | None:
     """A path of the hand that would bring a hanging pendulum up.
 
     Args:
@@ -99,10 +101,7 @@ def first_plan(mind: Mind, frames: int, rng: np.random.Generator) -> BSpline[np.
         rng: What comes to mind.
 
     Returns:
-        The path, from time 0 on.
-
-    Raises:
-        DemonstrationError: Nothing that comes to mind can be made to work.
+        The path, from time 0 on; None if nothing that comes to mind can be made to work.
     """
     paths = _Paths(frames, HandState(0.0, 0.0, 0.0))
     hanging = SwingState(HANGING, 0.0)
@@ -114,11 +113,11 @@ def first_plan(mind: Mind, frames: int, rng: np.random.Generator) -> BSpline[np.
         mind.reach * rng.uniform(0.6, 1.0, (_IDEAS, 1)) / np.max(np.abs(ideas), axis=1)[:, None]
     )
     promise = np.sum(_misses(paths, mind, hanging, ideas, ideas, _FIRST_CHANGE) ** 2, 1)
-    for idea in ideas[np.argsort(promise)[:8]]:
+    for idea in ideas[np.argsort(promise)[:_WORKED_OUT]]:
         points, miss = _work_out(paths, mind, hanging, idea, _FIRST_CHANGE)
-        if np.max(np.abs(miss)) < 1:
+        if np.max(np.abs(miss)) < _ENOUGH:
             return paths.spline(points)
-    raise DemonstrationError("nothing that comes to this person's mind brings the pendulum up")
+    return None
 
 
 def plan_anew(
@@ -187,8 +186,9 @@ def _misses(
     angle, speed = _imagined(mind, pendulum, push)
     end = np.stack([angle, speed]) / _UPRIGHT[:, None]
     too_hard = np.maximum(np.abs(push) - _BRISK[0], 0.0) / _BRISK[1]
+    jerk = paths.jerk @ columns / _JERK
     too_far = np.maximum(np.abs(place) - mind.reach, 0.0) / _LEEWAY
-    return np.vstack([end, (points - wish).T / change, push[::3] / _EFFORT, too_hard, too_far]).T
+    return np.vstack([end, (points - wish).T / change, jerk, too_hard, too_far]).T
 
 
 def _imagined(

@@ -7,6 +7,7 @@ wrapped: going over the top is an overshoot, not a jump.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from drake_viapoint.errors import ScenarioError
 from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.tasks.flight import GRAVITY
 
-HANGING = -np.pi
+HANGING = -math.pi
 """Angle of the pendulum before the movement [rad]."""
 
 
@@ -83,39 +84,55 @@ class Recurrence:
         Raises:
             ScenarioError: Not as many via-points as times.
         """
-        points = np.atleast_2d(np.asarray(x, dtype=np.float64))
-        if points.ndim != 2 or points.shape[1] != self._hand.shape[1]:
+        points = np.asarray(x, dtype=np.float64)
+        if points.ndim not in (1, 2) or points.shape[-1] != self._hand.shape[1]:
             raise ScenarioError(
                 f"the movement has {self._hand.shape[1]} via-points, got an array of shape "
                 f"{np.shape(x)}"
             )
-        angle, speed = self._swing(points)
-        batch = np.shape(x)[:-1]
-        hand = (points @ self._hand.T).reshape(*batch, -1)
-        return PendulumMotion(
-            self.times, hand, angle.T.reshape(*batch, -1), speed.T.reshape(*batch, -1)
-        )
+        angle, speed = self._swing_one(points) if points.ndim == 1 else self._swing(points)
+        return PendulumMotion(self.times, points @ self._hand.T, angle.T, speed.T)
 
     def _swing(
         self, points: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Angle and speed, one row a step: rows are contiguous, so each step is quick."""
-        drive = (self._gain / GRAVITY) * (self._acceleration @ points.T)  # (n - 1, b)
-        angle = np.empty((self.times.size, len(points)))
-        speed = np.empty_like(angle)
-        angle[0], speed[0] = HANGING, 0.0
-        pull, push = np.empty(len(points)), np.empty(len(points))
-        for k, along in enumerate(drive):
-            np.sin(angle[k], out=pull)
-            pull *= self._gain
-            np.cos(angle[k], out=push)
+        # the speed is reckoned in radians a step: one product less
+        pull = self._step * self._gain
+        drive = (pull / GRAVITY) * (self._acceleration @ points.T)  # (n - 1, b)
+        angles = np.empty((self.times.size, len(points)))
+        speeds = np.empty_like(angles)
+        angles[0], speeds[0] = HANGING, 0.0
+        push = np.empty(len(points))
+        angle, speed = angles[0], speeds[0]
+        for along, next_angle, next_speed in zip(drive, angles[1:], speeds[1:], strict=True):
+            np.sin(angle, out=next_speed)
+            next_speed *= pull
+            np.cos(angle, out=push)
             push *= along
-            np.multiply(speed[k], self._kept, out=speed[k + 1])
-            speed[k + 1] += pull
-            speed[k + 1] += push
-            np.multiply(speed[k + 1], self._step, out=angle[k + 1])
-            angle[k + 1] += angle[k]
-        return angle, speed
+            next_speed += push
+            if self._kept == 1.0:
+                next_speed += speed
+            else:
+                next_speed += np.multiply(speed, self._kept, out=push)
+            np.add(angle, next_speed, out=next_angle)
+            angle, speed = next_angle, next_speed
+        return angles, speeds / self._step
+
+    def _swing_one(
+        self, point: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The same for a single movement: plain numbers are quicker than arrays of one."""
+        pull = self._step * self._gain
+        drive = (pull / GRAVITY) * (self._acceleration @ point)  # (n - 1,)
+        angle, speed = HANGING, 0.0
+        angles, speeds = [angle], [speed]
+        for along in drive.tolist():
+            speed = self._kept * speed + pull * math.sin(angle) + along * math.cos(angle)
+            angle += speed
+            angles.append(angle)
+            speeds.append(speed)
+        return np.array(angles), np.array(speeds) / self._step
 
 
 def whole_steps(duration: float, time_step: float) -> int:

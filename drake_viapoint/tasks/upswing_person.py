@@ -1,10 +1,10 @@
 """A virtual person who swings up their own pendulum. Synthetic, and named so.
 
 No recording of the paper's is public, so the demonstration is made. The person knows the pendulum
-only roughly: they plan the hand's path with a model that has no friction and not quite the right
-length, their hand does not go exactly where it is meant to, and every quarter second they look and
-plan the rest anew. So the hand's path fits this pendulum and what went wrong this time, and another
-pendulum that is moved along it does not end upright.
+only roughly: they plan the hand's path with a length and a damping that are not quite right and
+without the hinge's dry friction, their hand strays from the plan, and every quarter second they
+look and plan the rest anew. So the hand's path fits this pendulum and what went wrong this time,
+and another pendulum that is moved along it does not end upright.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """How a virtual person plans an upswing: where the hand should go, by the pendulum in the mind.
 
 A plan is a minimum-jerk path of the hand through a few points, to rest at the end. In the mind the
-pendulum has no friction; many paths are followed at once, so that the slopes by finite differences
-cost hardly more than one path.
+hinge has no dry friction. Many paths are followed there at once, so that the slopes by finite
+differences cost hardly more than one path.
 """
 
 from __future__ import annotations

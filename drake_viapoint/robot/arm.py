@@ -82,6 +82,10 @@ class Arm:
         """Number of joints k."""
         return len(self.joint_names)
 
+    def named(self, chosen: NDArray[np.bool_]) -> tuple[str, ...]:
+        """Names of the joints chosen (k,)."""
+        return tuple(name for name, c in zip(self.joint_names, chosen, strict=True) if c)
+
     def tool_pose(self, q: ArrayLike) -> ToolPose:
         """Pose of the tool at joint angles q (k,) [rad]."""
         self.plant.SetPositions(self._context, q)

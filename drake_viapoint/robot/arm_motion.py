@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BPoly
+from scipy.interpolate import BPoly, BSpline
 
-from drake_viapoint.robot.arm import Arm, ToolMotion
+from drake_viapoint.robot.arm import Arm, JointLimits, ToolMotion
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,19 @@ class ArmMotion:
         """Joint velocities (..., k) [rad/s] at times (...) [s]."""
         velocities: NDArray[np.float64] = self._v(np.asarray(times, dtype=np.float64))
         return velocities
+
+    def strayed(self, desired: BSpline[np.float64]) -> float:
+        """Largest angle of a joint from a desired trajectory, at the steps [rad]."""
+        times = np.concatenate([segment.times for segment in self.segments])
+        return float(np.max(np.abs(self.q(times) - desired(times))))
+
+    def beyond(self, limits: JointLimits) -> NDArray[np.bool_]:
+        """Which joints (k,) left their range of angles or speeds at a step."""
+        q = np.concatenate([segment.q for segment in self.segments])
+        v = np.concatenate([segment.v for segment in self.segments])
+        outside = (q < limits.lower) | (q > limits.upper) | (np.abs(v) > limits.speed)
+        beyond: NDArray[np.bool_] = outside.any(axis=0)
+        return beyond
 
     def tool(self, arm: Arm, times: ArrayLike) -> list[ToolMotion]:
         """Motion of the arm's tool at times (n,) [s]."""

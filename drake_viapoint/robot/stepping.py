@@ -20,6 +20,10 @@ T = TypeVar("T")
 _MOST_HALVINGS = 4  # of the step; a torque that is clamped makes kinks that no step resolves
 
 
+class _RejectedError(Exception):
+    """A step was rejected; never leaves this file."""
+
+
 class Stepping:
     """Integrates one diagram again and again, each time as if it were the first.
 
@@ -37,21 +41,27 @@ class Stepping:
         self._simulator = Simulator(diagram)
         self.context: Context = self._simulator.get_mutable_context()
         self._longest_step = config.max_step_size
-        self._rejected = 0
+        self._tolerant = False  # of rejected steps
 
     def until_accepted(self, attempt: Callable[[], T]) -> T:
         """The outcome of the first attempt in which no step is rejected, or of the last made.
 
         Args:
-            attempt: Calls ``reset`` and then ``advance`` or ``go``, as often as it likes.
+            attempt: Calls ``reset`` and then ``advance`` or ``go``, as often as it likes; it is
+                broken off at a rejected step.
         """
-        for halvings in range(_MOST_HALVINGS + 1):
+        for halvings in range(_MOST_HALVINGS):
             self._longest_step = self._config.max_step_size / 2**halvings
-            self._rejected = 0
-            outcome = attempt()
-            if not self._rejected:
-                break
-        return outcome
+            try:
+                return attempt()
+            except _RejectedError:
+                continue
+        self._longest_step = self._config.max_step_size / 2**_MOST_HALVINGS
+        self._tolerant = True
+        try:
+            return attempt()
+        finally:
+            self._tolerant = False
 
     def reset(self, time: float) -> None:
         """Bring the context to its default state at a time [s], and forget earlier steps."""
@@ -74,23 +84,29 @@ class Stepping:
 
         def monitor(_: Context) -> EventStatus:
             nonlocal stopped
-            stopped = watch()
+            stopped = self._spoilt() or watch()
             return stop if stopped else go_on
 
         self._simulator.set_monitor(monitor)
         self._simulator.Initialize()  # also reports the first state to the monitor
         if not stopped:
-            self._advance(end)
+            self._simulator.AdvanceTo(end)
         self._simulator.clear_monitor()
+        self._check()
 
     def go(self, start: float, state: NDArray[np.float64], end: float) -> None:
         """Integrate from a continuous state at one time [s] to another, with nobody watching."""
         self.context.SetTime(start)
         self.context.SetContinuousState(state)
         self._simulator.Initialize()
-        self._advance(end)
-
-    def _advance(self, end: float) -> None:
         self._simulator.AdvanceTo(end)
-        integrator = self._simulator.get_integrator()  # counts from its initialisation on
-        self._rejected += integrator.get_num_step_shrinkages_from_error_control()
+        self._check()
+
+    def _spoilt(self) -> bool:
+        """Whether a step was rejected since the integrator's initialisation, and it matters."""
+        integrator = self._simulator.get_integrator()
+        return not self._tolerant and integrator.get_num_step_shrinkages_from_error_control() > 0
+
+    def _check(self) -> None:
+        if self._spoilt():
+            raise _RejectedError

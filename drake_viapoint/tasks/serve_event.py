@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from drake_viapoint.robot.arm import Arm
@@ -76,8 +76,6 @@ class EventExecution:
         scene = self._scene
         motion, release, clamped = swing
         racket = HeldRacket(scene.arm, motion)
-        times = np.concatenate([segment.times for segment in motion.segments])
-        strayed = np.max(np.abs(motion.q(times) - desired(times)))
         events: list[BallEvent] = []
         flights: list[Flight] = []
         met: Encounter | None = None
@@ -119,27 +117,13 @@ class EventExecution:
             landing=landing,
             goal=goal,
             success=bool(near and inside),
-            saturated=_named(scene.arm, clamped),
-            beyond_limits=_named(scene.arm, _beyond(scene.arm, motion)),
-            tracking_error=float(strayed),
+            saturated=scene.arm.named(clamped),
+            beyond_limits=scene.arm.named(motion.beyond(scene.arm.limits)),
+            tracking_error=motion.strayed(desired),
             motion=motion,
             carried=lambda t: scene.cup.ball(racket, t).position,
             flights=tuple(flights),
         )
-
-
-def _named(arm: Arm, chosen: NDArray[np.bool_]) -> tuple[str, ...]:
-    return tuple(name for name, c in zip(arm.joint_names, chosen, strict=True) if c)
-
-
-def _beyond(arm: Arm, motion: ArmMotion) -> NDArray[np.bool_]:
-    """Which joints (k,) left their range of angles or speeds at a step."""
-    q = np.concatenate([segment.q for segment in motion.segments])
-    v = np.concatenate([segment.v for segment in motion.segments])
-    limits = arm.limits
-    outside = (q < limits.lower) | (q > limits.upper) | (np.abs(v) > limits.speed)
-    beyond: NDArray[np.bool_] = outside.any(axis=0)
-    return beyond
 
 
 def _ending(thrown: bool, met: Encounter | None, landed: float | None) -> ServeOutcome:

@@ -63,16 +63,21 @@ class HandLine:
         Raises:
             UnreachableError: The arm does not reach it.
         """
-        place = self._start + [x, 0.0, 0.0]
+        place = self.places(np.array([x]))
         label = f"the hand at x = {x:.3f} m"
         rest = self._ik.reference
-        return self._ik.solve(self._rotation[None], place[None], [label], rest[None])[0]
+        return self._ik.solve(self._rotation[None], place, [label], rest[None])[0]
+
+    def places(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places (n,) along the line as points in the world (n, 3) [m]."""
+        points = np.tile(self._start, (x.size, 1))
+        points[:, 0] += x
+        return points
 
     def via_points(self, times: ArrayLike, x: ArrayLike) -> ViaPoints:
         """Places (n,) [m] at times (n,) [s] as via-points of the tool's pose."""
-        places = np.asarray(x, dtype=np.float64)
-        values = np.tile(np.r_[self._start, self._angles], (places.size, 1))
-        values[:, 0] += places
+        points = self.places(np.asarray(x, dtype=np.float64))
+        values = np.hstack([points, np.tile(self._angles, (len(points), 1))])
         return ViaPoints(np.asarray(times, dtype=np.float64), values, POSE_NAMES)
 
     def _farthest(self, way: float) -> float:

@@ -47,7 +47,7 @@ class UpswingPendulum:
     """The robot's pendulum: a rod without mass, and a bob."""
 
     length: float = 0.35
-    mass: float = 0.1
+    mass: float = 0.05
     """Of the bob; only the arm that carries it feels it."""
     damping: float = 0.0
     """Viscous, as a share of the speed lost in a second [1/s]."""
@@ -64,8 +64,9 @@ class UpswingRobot:
     """Where the hand is at x = 0, in the world; it moves along the world's x from there."""
     orientation: list[float] = field(default_factory=lambda: [0.0, 1.5707963267948966, 0.0])
     """ZYZ angles of the axle's frame; its y is the pendulum's axis and looks forward."""
-    natural_frequency: float = 28.0
-    """Of the tracking error's decay [rad/s]."""
+    natural_frequency: float = 100.0
+    """Of the tracking error's decay [rad/s]: the wrist is light beside the pendulum's pull, which
+    the controller does not know of."""
     position_threshold: float = 1e-4
     """Supplemental via-points are added until the hand is this near to its path: 1 mm is as much as
     a success forgives."""

@@ -1,0 +1,61 @@
+"""What every scene begins with: its model files, and a plant that is shown or not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import (
+    AddMultibodyPlant,
+    ApplyMultibodyPlantConfig,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_viapoint.errors import ModelFileError
+from drake_viapoint.packages import package_map, resolve
+
+
+def scene_path(address: str) -> Path:
+    """File of a ``package://`` address or of a path."""
+    return resolve(address) if address.startswith("package://") else Path(address)
+
+
+def add_plant(
+    builder: DiagramBuilder, config: MultibodyPlantConfig, meshcat: Meshcat | None = None
+) -> MultibodyPlant:
+    """An empty plant in a diagram.
+
+    Without a Meshcat no geometry is registered: the dynamics need none, and collision queries
+    would cost more than they do.
+
+    Args:
+        builder: Where the plant goes, under the name ``plant``.
+        config: Of the plant.
+        meshcat: Where to show it, if anywhere.
+    """
+    if meshcat is None:
+        plant: MultibodyPlant = builder.AddNamedSystem("plant", MultibodyPlant(config.time_step))
+        ApplyMultibodyPlantConfig(config, plant)
+        return plant
+    scene_graph: SceneGraph
+    plant, scene_graph = AddMultibodyPlant(config, builder)
+    MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+    return plant
+
+
+def add_models(plant: MultibodyPlant, address: str) -> None:
+    """Add what a directives file names.
+
+    Raises:
+        ModelFileError: The file or a model it names cannot be read.
+    """
+    parser = Parser(plant)
+    parser.package_map().AddMap(package_map())
+    path = scene_path(address)
+    try:
+        parser.AddModels(str(path))
+    except RuntimeError as error:
+        raise ModelFileError(address, " ".join(str(error).split())) from error

@@ -82,6 +82,15 @@ def test_times_are_whole_steps_of_the_recurrence(watched: WatchedUpswing) -> Non
     assert whole_steps(watched.times[-1], 1 / 60) == watched.times.size - 1
 
 
+def test_times_that_a_file_rounds_are_whole_steps_too(watched: WatchedUpswing) -> None:
+    """To microseconds, as text does: 16.667 ms do not add up to whole sixtieths of a second."""
+    recording = watched.recording
+    rounded = MarkerRecording(recording.names, np.round(recording.times, 6), recording.positions)
+    again = watch_upswing(UpswingDemonstration(), rounded)
+    assert whole_steps(again.times[-1], 1 / 60) == watched.times.size - 1
+    np.testing.assert_allclose(again.end_state, watched.end_state, atol=1e-6)
+
+
 def test_hand_and_pendulum_are_seen_as_they_moved(
     seen: list[tuple[PersonUpswing, WatchedUpswing]],
 ) -> None:

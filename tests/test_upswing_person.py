@@ -70,6 +70,12 @@ def test_place_and_acceleration_of_the_hand_belong_together(
         assert np.max(np.abs(np.diff(upswing.hand)[[0, -1]])) / step < 1e-3
 
 
+@pytest.mark.parametrize("number", [130, 151])
+def test_who_has_much_to_mend_still_moves_the_hand_gently(number: int) -> None:
+    """Nobody of the first 220 moves harder; with no dislike of it these would reach 18 m/s2."""
+    assert np.max(np.abs(person_and_upswing(number)[1].acceleration)) < 16
+
+
 def test_a_reversal_is_a_turn_and_a_centimetre_back() -> None:
     t = np.linspace(0, 1, 500)
     assert reversals(t) == 0

@@ -17,7 +17,7 @@ from drake_viapoint.errors import EndStateError, GapError, HangingError, MarkerM
 from drake_viapoint.motion.extraction import Extraction, extract_via_points
 from drake_viapoint.tasks.flight import GRAVITY
 from drake_viapoint.tasks.pendulum import HANGING
-from drake_viapoint.tasks.serve_scene import scene_path
+from drake_viapoint.tasks.scene import scene_path
 from drake_viapoint.tasks.upswing_recording import record_person
 from drake_viapoint.tasks.upswing_scenario import UpswingDemonstration
 

@@ -28,7 +28,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 
 from drake_viapoint.packages import models_path
 from drake_viapoint.robot.retargeting import JointMovement
-from drake_viapoint.runs.serve_run import serve_scenario
+from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 
 STEP = 0.0005  # [s] of MuJoCo: lands within about 5 mm
@@ -41,7 +41,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=30, help="for the times")
     arguments = parser.parse_args()
 
-    scenario = serve_scenario()
+    scenario = task_scenario("serve")
     task = ServeTask(scenario)
     rng = np.random.default_rng(0)
     control = task.subtasks[0].control

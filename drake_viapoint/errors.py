@@ -177,7 +177,7 @@ class OutcomeNotFiniteError(LearningError):
 
     Attributes:
         task_variable: Its name.
-        value: What was told.
+        value: What it or its desired value was told to be.
         trial: Number of the trial, where known.
     """
 

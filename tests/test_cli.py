@@ -24,7 +24,7 @@ from drake_viapoint.demonstration.impact import find_impact
 from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.demonstration.markers import read_markers
 from drake_viapoint.packages import resolve
-from drake_viapoint.runs import serve_run
+from drake_viapoint.runs import task_run
 from drake_viapoint.runs.run_folder import SCENARIO, TRIALS
 
 SERVE = resolve("package://drake_viapoint/demonstrations/serve.c3d")
@@ -271,10 +271,14 @@ def test_a_mistake_of_ours_keeps_its_traceback(
 def test_a_folder_with_another_run(command: Callable[..., Answer], run: Path) -> None:
     before = (run / TRIALS).read_bytes()
     command("learn", "serve", "--out", run).refuses(str(run), "--resume", "name another")
-    for other in (("--seed", "4"), ("--person", "3"), ("--t-hit", "0.9")):
-        command("learn", "serve", "--out", run, "--resume", *other).refuses(
-            "another person, seed or demonstration"
-        )
+    for other, key in (
+        (("--seed", "4"), "seed"),
+        (("--person", "3"), "demonstration.person"),
+        (("--t-hit", "0.9"), "demonstration.hit_time"),
+        (("--jacobian", "recorded"), "learning.jacobian.way"),
+    ):
+        command("learn", "serve", "--out", run, "--resume", *other).refuses(f"another {key}")
+    command("learn", "upswing", "--out", run, "--resume").refuses("run of the serve, not of")
     assert (run / TRIALS).read_bytes() == before
 
 
@@ -290,8 +294,8 @@ def test_resuming_with_a_scenario(command: Callable[..., Answer], run: Path) -> 
 def test_a_run_of_other_versions(
     command: Callable[..., Answer], run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    newer = {**serve_run.versions(), "drake": "9.9.9"}
-    monkeypatch.setattr(serve_run, "versions", lambda: newer)
+    newer = {**task_run.versions(), "drake": "9.9.9"}
+    monkeypatch.setattr(task_run, "versions", lambda: newer)
     command("learn", "serve", "--out", run, "--resume").refuses("drake", "this is 9.9.9")
 
 
@@ -607,8 +611,8 @@ def test_extract_from_a_real_serve(
 
 # ---------------------------------------------------------------------------------------- help
 
-COMMANDS = [["learn", "serve"], ["replay"], ["extract"], ["demonstrate"], ["scenario"]]
-COMMANDS += [["reproduce"]]
+COMMANDS = [["learn", "serve"], ["learn", "upswing"], ["replay"], ["extract"], ["demonstrate"]]
+COMMANDS += [["scenario"], ["reproduce"]]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -621,7 +625,9 @@ def test_help_shows_examples(command: Callable[..., Answer], words: list[str]) -
 
 def test_every_command_is_tested_for_its_help() -> None:
     assert {words[0] for words in COMMANDS} == set(cli.cli.commands)
-    assert {words[1] for words in COMMANDS if words[0] == "learn"} == set(cli.learn.commands)
+    assert {words[1] for words in COMMANDS if words[0] == "learn"} == set(
+        cli.cli.commands["learn"].commands
+    )
 
 
 def test_help_does_not_import_what_it_does_not_need() -> None:

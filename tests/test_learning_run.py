@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drake_viapoint.errors import LearningError, RunFolderError
+from drake_viapoint.errors import OutcomeNotFiniteError, RunFolderError
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain
 from drake_viapoint.learning.subtask import Subtask
@@ -152,13 +152,21 @@ def test_a_trial_is_on_record_before_it_is_reported(tmp_path: Path) -> None:
     assert seen == [1, 2, 3, 4]
 
 
-def test_what_is_not_finite_is_recorded_then_refused(tmp_path: Path) -> None:
-    for _ in range(2):  # and refused again by whoever resumes
-        with pytest.raises(LearningError, match="T is not finite"):
-            run(tmp_path / "run", ReachTask(broken_at=3))
-        records = read_trials(tmp_path / "run")
-        assert [record["trial"] for record in records] == [1, 2, 3]
-        assert records[2]["T"] == [None, 0.0]
+def test_what_is_not_finite_is_recorded_as_failed_refused_and_tried_again(tmp_path: Path) -> None:
+    with pytest.raises(OutcomeNotFiniteError, match="trial 3: T is not finite"):
+        run(tmp_path / "run", ReachTask(broken_at=3))
+    failed = read_trials(tmp_path / "run")[-1]
+    assert (failed["trial"], failed["outcome"], failed["success"]) == (3, "failed", False)
+    assert failed["T"] == [None, 0.0]
+    assert failed["reason"] == "T is not finite: [nan, 0.0]"
+
+    result = run(tmp_path / "run", ReachTask())
+    records = read_trials(tmp_path / "run")
+    assert records[2] == failed  # nothing recorded is lost
+    assert records[3]["via_points"] == failed["via_points"]
+    undisturbed = run(tmp_path / "undisturbed", ReachTask())
+    assert result.learned_at == (undisturbed.learned_at or 0) + 1  # the failed trial counts
+    assert run(tmp_path / "run", ReachTask()) == result  # told a second time, it ends the same
 
 
 @pytest.mark.parametrize(

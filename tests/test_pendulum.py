@@ -30,7 +30,7 @@ def test_five_steps_by_hand() -> None:
 
     Two via-points, 0 and 0.1 m, five steps of 0.1 s: the hand follows 0.1 (10 s^3 - 15 s^4 + 6 s^5)
     with s = t / 0.5 s, so its acceleration at steps 0 to 4 is 0.4 (60 s - 180 s^2 + 120 s^3):
-    0, 2.304, 1.152, -1.152, -2.304 m/s2. The length is 0.981 m, so alpha_2 = 0.1 * 9.81 / 0.981 = 1,
+    0, 2.304, 1.152, -1.152, -2.304 m/s2. The length is 0.981 m, so alpha_2 = 1,
     and alpha_1 = 0.1 * 0.5 = 0.05.
     """
     table = [  # theta and speed, from rest

@@ -34,7 +34,8 @@ from drake_viapoint.reproduction.reproduce import reproduce, shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, save
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
-from drake_viapoint.runs.serve_run import begin, serve_scenario
+from drake_viapoint.runs.task_run import begin
+from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import ServeTrial
 
@@ -245,7 +246,7 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def short_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("short") / "run"
-    scenario = serve_scenario()
+    scenario = task_scenario("serve")
     with begin(path, scenario) as folder:
         learn(ServeTask(scenario), folder, seed=scenario.seed, max_trials=2)
     return path
@@ -277,7 +278,7 @@ def test_a_trial_that_was_not_made(short_run: Path, tmp_path: Path, number: int)
 
 
 def test_a_run_without_trials(tmp_path: Path) -> None:
-    begin(tmp_path / "run", serve_scenario()).close()
+    begin(tmp_path / "run", task_scenario("serve")).close()
     with pytest.raises(RunFolderError, match="holds no trial yet"):
         record_trial(tmp_path / "run", None, tmp_path / "x.html")
 

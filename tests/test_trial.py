@@ -6,7 +6,7 @@ from drake_viapoint.tasks.trial import RefusedTrial
 
 
 def test_a_refused_trial_reached_nothing_and_says_why() -> None:
-    refused = RefusedTrial("via-point 3 is out of reach", ("T_H", "T_G"))
+    refused = RefusedTrial("via-point 3 is out of reach", ("d", "T_H", "T_G"))
     record = refused.record()
     assert json.loads(json.dumps(record)) == {
         "outcome": "unreachable",

@@ -60,15 +60,16 @@ class Outcome:
         realized = self.realized[task_variable]
         if realized is None:
             return None
+        if not np.all(np.isfinite(realized)):
+            raise OutcomeNotFiniteError(task_variable, np.asarray(realized).tolist())
         if task_variable not in self.desired:
             raise OutcomeError(f"the outcome does not say what {task_variable} should have been")
         desired = np.asarray(self.desired[task_variable], dtype=np.float64)
+        if not np.all(np.isfinite(desired)):
+            raise OutcomeNotFiniteError(f"desired {task_variable}", desired.tolist())
         if desired.ndim != 1 or desired.shape != np.shape(realized):
             raise OutcomeError(
                 f"{task_variable} and its desired value must be vectors of the same length, got "
                 f"shapes {np.shape(realized)} and {desired.shape}"
             )
-        error = desired - realized
-        if not np.all(np.isfinite(error)):
-            raise OutcomeNotFiniteError(task_variable, np.asarray(realized).tolist())
-        return error
+        return desired - realized

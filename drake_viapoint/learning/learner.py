@@ -245,8 +245,9 @@ class Learner:
         jacobian = subtask.jacobian.revised(progress.jacobian, progress.observations)
         progress.jacobian = jacobian
         preceding = _norm(errors[index - 1]) if index > 0 else 0.0
-        inverse = generalized_inverse(jacobian, subtask.regularization)
-        step = inverse @ (np.asarray(subtask.gain(preceding)) * error)
+        tolerance = np.broadcast_to(subtask.tolerance, error.shape)
+        inverse = generalized_inverse(jacobian / tolerance[:, None], subtask.regularization)
+        step = inverse @ (np.asarray(subtask.gain(preceding)) * error / tolerance)
         change = step * np.asarray(subtask.perturbation)
         self._via_points = self._via_points.moved(subtask.control, change)
 

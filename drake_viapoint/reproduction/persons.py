@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from drake_viapoint.errors import RunFolderError, ViapointError
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import read_trials
-from drake_viapoint.runs.serve_run import ServeChanges, begin_or_resume, serve_scenario
+from drake_viapoint.runs.task_run import begin_or_resume
+from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 
 MAX_TRIALS = 60
@@ -69,7 +70,9 @@ def study_persons(
 def _study(path: Path, person: int) -> PersonResult:
     reason, learned_at = "", None
     try:
-        folder, scenario = begin_or_resume(path, serve_scenario(None, ServeChanges(person=person)))
+        folder, scenario = begin_or_resume(
+            path, task_scenario("serve", None, {"demonstration.person": person})
+        )
         with folder:
             result = learn(ServeTask(scenario), folder, seed=scenario.seed, max_trials=MAX_TRIALS)
         learned_at = result.learned_at

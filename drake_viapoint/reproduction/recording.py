@@ -15,7 +15,7 @@ from drake_viapoint.motion.orientation import rotation_from_zyz
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.runs.learning_run import recorded_via_points
 from drake_viapoint.runs.run_folder import read_trials
-from drake_viapoint.runs.serve_run import read_scenario
+from drake_viapoint.runs.task_run import read_scenario
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene

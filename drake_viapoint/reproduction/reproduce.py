@@ -20,7 +20,8 @@ from drake_viapoint.reproduction.recording import record_trial
 from drake_viapoint.reproduction.style import POSE_LABELS, SYNTHETIC, save
 from drake_viapoint.runs.learning_run import learn, recorded_via_points
 from drake_viapoint.runs.run_folder import read_trials
-from drake_viapoint.runs.serve_run import begin_or_resume, serve_scenario
+from drake_viapoint.runs.task_run import begin_or_resume
+from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import ServeTrial
 
@@ -54,7 +55,7 @@ def reproduce(out: Path, number_of_persons: int, progress: Progress) -> list[str
         ViapointError: The folder cannot be written or holds other runs.
     """
     run = out / "serve"
-    folder, scenario = begin_or_resume(run, serve_scenario())
+    folder, scenario = begin_or_resume(run, task_scenario("serve"))
     with folder, progress("learning the serve", persons.MAX_TRIALS) as bar:
         task = ServeTask(scenario)
         result = learn(

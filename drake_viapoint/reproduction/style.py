@@ -20,6 +20,9 @@ VIA_POINT = "tab:red"
 BALL = "tab:olive"
 """Colour of the ball."""
 
+TIP = "tab:olive"
+"""Colour of the pendulum's tip."""
+
 POSE_LABELS = ("x [m]", "y [m]", "z [m]", "φ [rad]", "θ [rad]", "ψ [rad]")
 """Axis labels of a racket pose's six dimensions."""
 

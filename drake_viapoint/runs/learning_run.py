@@ -2,18 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from drake_viapoint.errors import RunFolderError, ViaPointsError
+from drake_viapoint.errors import OutcomeNotFiniteError, RunFolderError, ViaPointsError
 from drake_viapoint.learning.learner import Learner
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.runs.run_folder import TRIALS, RunFolder
-from drake_viapoint.tasks.trial import Task, Trial
+from drake_viapoint.runs.run_folder import TRIALS
+from drake_viapoint.tasks.trial import FAILED, Task, Trial
+
+
+class TrialLog(Protocol):
+    """Where trials are recorded: a run folder, or memory."""
+
+    @property
+    def path(self) -> Path:
+        """What to call it in an error."""
+        ...
+
+    @property
+    def trials(self) -> Sequence[dict[str, Any]]:
+        """Records of the trials so far."""
+        ...
+
+    def append(self, record: dict[str, Any]) -> dict[str, Any]:
+        """Keep a record, and give it back as it will be read."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -31,7 +49,7 @@ class RunResult:
 
 def learn(
     task: Task,
-    folder: RunFolder,
+    folder: TrialLog,
     *,
     seed: int,
     max_trials: int,
@@ -49,6 +67,8 @@ def learn(
     Raises:
         RunFolderError: The folder holds another run's trials, or cannot be written.
         LearningError: Nothing can be learned from an outcome. The trial is on record.
+        OutcomeNotFiniteError: A trial gave no numbers. It is on record as failed; learning again
+            executes the same via-points once more.
     """
     learner = Learner(
         task.via_points,
@@ -67,7 +87,7 @@ def learn(
             "trial": number,
             "purpose": str(proposal.purpose),
             "subtask": proposal.subtask,
-            **trial.record(),
+            **_checked(trial.record(), [subtask.task_variable for subtask in task.subtasks]),
             "via_points": {
                 "times": proposal.via_points.times.tolist(),
                 "values": proposal.via_points.values.tolist(),
@@ -75,9 +95,9 @@ def learn(
             "seed": own_seed,
         }
         record = folder.append(record)  # as read back, so that a resumed learner is told the same
-        learner.tell(task.outcome(record))
         if on_trial is not None:
             on_trial(record, trial)
+        learner.tell(task.outcome(record))
     return RunResult(learner.trials, learner.learned_at)
 
 
@@ -118,5 +138,17 @@ def _tell_again(learner: Learner, task: Task, path: Path, record: dict[str, Any]
         )
     try:
         learner.tell(task.outcome(record))
+    except OutcomeNotFiniteError:
+        return  # as it was refused before: it counts, and its via-points are asked for again
     except (LookupError, TypeError, ValueError) as error:
         raise damaged from error
+
+
+def _checked(record: dict[str, Any], task_variables: Sequence[str]) -> dict[str, Any]:
+    """A trial's record, said to have failed if a task variable is not a number."""
+    for name in task_variables:
+        value = record.get(name)
+        if value is not None and not np.all(np.isfinite(value)):
+            reason = f"{name} is not finite: {value}"
+            return {**record, "outcome": FAILED, "success": False, "reason": reason}
+    return record

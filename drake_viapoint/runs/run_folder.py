@@ -26,7 +26,7 @@ TRIALS = "trials.jsonl"
 _BEGINNING = ".scenario.yaml"  # becomes the scenario once it is whole
 _SEAL = "# sha256 of the lines above: "
 _KEYS = frozenset(
-    {"trial", "purpose", "subtask", "outcome", "success", "d", "via_points", "seed"}
+    {"trial", "purpose", "subtask", "outcome", "success", "via_points", "seed"}
 )  # of every line, whatever the task; its task variables come on top
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -24,6 +25,7 @@ class Scenario(Protocol):
 
     task: str
     seed: int
+    made_with: dict[str, str]
 
     def validate(self) -> None:
         """Check every value against its bounds; raises ScenarioError."""
@@ -33,12 +35,38 @@ class Scenario(Protocol):
 S = TypeVar("S", bound=Scenario)
 
 
-def load_scenario(path: Path, schema: type[S]) -> S:
+def load_scenario(path: Path, schema: type[S], changes: Mapping[str, object] | None = None) -> S:
     """Read and check a scenario; keys that are left out keep their defaults.
+
+    Args:
+        path: The file.
+        schema: Class of the task's scenario.
+        changes: Values that replace the file's, by their full keys, such as
+            ``{"demonstration.person": 3}``.
 
     Raises:
         ScenarioError: The file cannot be read, has an unknown key, a value of the wrong type or
             out of its bounds. Names file, key and value.
+    """
+    data = read_mapping(path)
+    try:
+        for key, value in (changes or {}).items():
+            _change(data, key, value)
+        _check_lists(data, schema())
+        scenario = _load(data, schema)
+        scenario.validate()
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{path}: an anchor that holds itself") from error
+    return scenario
+
+
+def read_mapping(path: Path) -> dict[str, Any]:
+    """A YAML file's keys and values, unchecked.
+
+    Raises:
+        ScenarioError: The file cannot be read, is not YAML or holds no mapping.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -51,15 +79,7 @@ def load_scenario(path: Path, schema: type[S]) -> S:
         data = {}
     if not isinstance(data, dict):
         raise ScenarioError(f"{path}: a scenario is a mapping of keys to values")
-    try:
-        _check_lists(data, schema())
-        scenario = _load(data, schema)
-        scenario.validate()
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from error
-    except RecursionError as error:
-        raise ScenarioError(f"{path}: an anchor that holds itself") from error
-    return scenario
+    return data
 
 
 def dump_scenario(scenario: Scenario) -> str:
@@ -111,6 +131,16 @@ def validate_simulation(plant: MultibodyPlantConfig, simulator: SimulatorConfig)
 
 
 _YAML_FAULTS = (RuntimeError, ValueError, TypeError, AssertionError, AttributeError)
+
+
+def _change(data: dict[str, Any], key: str, value: object) -> None:
+    """Put a value under a dotted key; what is above it and no mapping gives way to one."""
+    *above, last = key.split(".")
+    for part in above:
+        inner = data.get(part)
+        data[part] = dict(inner) if isinstance(inner, dict) else {}
+        data = data[part]
+    data[last] = value
 
 
 def _load(data: dict[str, Any], schema: type[S]) -> S:

@@ -69,7 +69,7 @@ class ServeTask:
         try:
             movement = self.retargeting(via_points)
         except UnreachableError as error:
-            return RefusedTrial(str(error), (THROW, STRIKE))
+            return RefusedTrial(str(error), ("d", THROW, STRIKE))
         return self.execution.execute(movement)
 
     def outcome(self, record: dict[str, Any]) -> Outcome:
@@ -87,8 +87,10 @@ def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
             task_variable=THROW,
             perturbation=(throw.perturbation,) * len(throw.control),
             gain=ConstantGain(throw.gain),
+            tolerance=learning.meeting_tolerance,
             regularization=throw.regularization,
             reached=throw.reached,
+            jacobian=learning.jacobian.kept(),
         ),
         Subtask(
             name="strike",
@@ -96,8 +98,10 @@ def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
             task_variable=STRIKE,
             perturbation=(strike.perturbation,) * len(strike.control),
             gain=TaperedGain(strike.gain, strike.taper_start, strike.gate),
+            tolerance=learning.landing_tolerance,
             regularization=strike.regularization,
             reached=0.0,
             gate=strike.gate,
+            jacobian=learning.jacobian.kept(),
         ),
     )

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
+from drake_viapoint.tasks.jacobian_scenario import JacobianScenario
 from drake_viapoint.tasks.scenario import (
     require,
     require_not_negative,
@@ -79,9 +80,9 @@ class ThrowLearning:
     control: list[str] = field(default_factory=lambda: ["x3", "y3", "z3", "x4", "y4", "z4"])
     perturbation: float = 0.01
     gain: float = 0.5
-    regularization: float = 1e-4
-    """lambda of the generalised inverse [m2], for a Jacobian in metres a perturbation: a direction
-    in which one perturbation moves the ball by less than 1 cm is hardly used [assumed]."""
+    regularization: float = 0.04
+    """lambda_J, for a Jacobian in tolerances a perturbation: a direction in which one perturbation
+    moves the ball by less than a fifth of the meeting tolerance, 1 cm, is hardly used [assumed]."""
     reached: float = 0.03
     """Subtask 2 starts once d is below this: it moves d by up to 2 cm, and 5 cm is the bar
     [assumed]."""
@@ -98,9 +99,9 @@ class StrikeLearning:
     taper_start: float = 0.05
     gate: float = 0.1
     """The gain falls from taper_start to 0 at this d; a trial beyond serves subtask 1."""
-    regularization: float = 1e-4
-    """As for the throw: a direction in which one degree moves the landing point by less than 1 cm
-    is hardly used [assumed]."""
+    regularization: float = 0.0064
+    """As for the throw: here, too, 1 cm a perturbation, of a landing tolerance of 12.5 cm
+    [assumed]."""
 
 
 @dataclass
@@ -109,6 +110,8 @@ class ServeLearning:
 
     throw: ThrowLearning = field(default_factory=ThrowLearning)
     strike: StrikeLearning = field(default_factory=StrikeLearning)
+    jacobian: JacobianScenario = field(default_factory=lambda: JacobianScenario(window=15))
+    """What becomes of both Jacobians; K = 15 in section 3.2."""
     meeting_tolerance: float = 0.05
     """A successful trial has d below this."""
     landing_tolerance: float = 0.125
@@ -186,6 +189,7 @@ class ServeScenario:
             require_positive(f"learning.{name}.gain", subtask.gain)
             require_not_negative(f"learning.{name}.regularization", subtask.regularization)
             require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
+        learning.jacobian.validate("learning.jacobian")
         require_positive("learning.throw.reached", learning.throw.reached)
         require_positive("learning.strike.gate", learning.strike.gate)
         require(

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.robot.arm_motion import ArmMotion
 from drake_viapoint.tasks.flight import Flight
+from drake_viapoint.tasks.trial import recorded_vector
 
 THROW = "T_H"
 """Task variable of subtask 1: where the ball is when it should be hit [m]."""
@@ -36,14 +37,11 @@ def serve_outcome(record: dict[str, Any]) -> Outcome:
 
     A ball still in the cup at t_HIT says nothing of the throw, nor does a refused movement.
     """
-    thrown = record["outcome"] not in ("not_released", "unreachable")
-    realized = {THROW: record[THROW] if thrown else None, STRIKE: record[STRIKE]}
+    thrown = record["outcome"] != ServeOutcome.NOT_RELEASED
+    realized = {name: recorded_vector(record, name) for name in (THROW, STRIKE)}
     desired = {THROW: record.get("T_Hd"), STRIKE: record.get("T_Gd")}
     return Outcome(
-        {
-            name: None if value is None else np.array(value, float)
-            for name, value in realized.items()
-        },
+        {**realized, THROW: realized[THROW] if thrown else None},
         {name: np.array(value, float) for name, value in desired.items() if value is not None},
         record["success"],
     )

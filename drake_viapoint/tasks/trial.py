@@ -6,9 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
+
+UNREACHABLE = "unreachable"
+"""Outcome of a movement that the robot cannot make."""
+
+FAILED = "failed"
+"""Outcome of a trial whose results are not numbers; its line in a run cannot hold them."""
 
 
 class Trial(Protocol):
@@ -29,20 +38,28 @@ class RefusedTrial:
 
     Attributes:
         reason: Why, as one line.
-        task_variables: Names of the task variables it did not reach.
+        missing: Names of the results it did not reach.
     """
 
     reason: str
-    task_variables: tuple[str, ...]
+    missing: tuple[str, ...]
 
     def record(self) -> dict[str, Any]:
         """See ``Trial``."""
-        nothing = dict.fromkeys(("d", *self.task_variables))
-        return {"outcome": "unreachable", "success": False, "reason": self.reason, **nothing}
+        nothing = dict.fromkeys(self.missing)
+        return {"outcome": UNREACHABLE, "success": False, "reason": self.reason, **nothing}
 
     def summary(self) -> str:
         """See ``Trial``."""
         return self.reason
+
+
+def recorded_vector(record: dict[str, Any], name: str) -> NDArray[np.float64] | None:
+    """A task variable as recorded: None if it was not reached, NaN if it was not a number."""
+    if record["outcome"] == FAILED:
+        return np.full(1, np.nan)
+    value = record[name]
+    return None if value is None else np.array(value, dtype=np.float64)
 
 
 class Task(Protocol):

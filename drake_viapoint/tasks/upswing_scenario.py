@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
+from drake_viapoint.tasks.jacobian_scenario import JacobianScenario
 from drake_viapoint.tasks.scenario import (
     require,
     require_not_negative,
@@ -82,18 +83,11 @@ class UpswingLearning:
     perturbation: float = 0.01
     gain: list[float] = field(default_factory=lambda: [0.2, 0.02])
     """Diagonal of B, for theta and omega."""
-    regularization: float = 1e-2
-    """lambda_J of the generalised inverse [rad2], for a Jacobian in rad and rad/s a perturbation
-    [assumed]."""
-    jacobian: str = "recorded"
-    """fixed: kept as first explored. manual: explored again at given trials. recorded: estimated
-    anew from the last trials' differences after every trial (Eq. 12)."""
-    explored_again_at: list[int] = field(default_factory=lambda: [15, 29, 43])
-    """Trials around which the manual way explores again."""
-    window: int = 12
-    """K of Eqs. 10 and 11: the recorded way looks at so many differences."""
-    window_regularization: float = 30.0
-    """lambda_X of Eq. 12, for differences in perturbations; so it has no unit [assumed]."""
+    regularization: float = 0.1
+    """lambda_J, for a Jacobian in tolerances a perturbation: as large as still lets the second,
+    weak direction of the Jacobian be used [assumed]."""
+    jacobian: JacobianScenario = field(default_factory=lambda: JacobianScenario(way="recorded"))
+    """What becomes of the Jacobian; K = 12 in section 3.3."""
     angle_tolerance: float = 0.1
     speed_tolerance: float = 0.5
     successes: int = 3
@@ -191,12 +185,8 @@ class UpswingScenario:
         require(len(learning.gain) == 2, "learning.gain", learning.gain, "must be two")
         for value in learning.gain:
             require_positive("learning.gain", value)
-        for name in ("regularization", "window_regularization"):
-            require_not_negative(f"learning.{name}", getattr(learning, name))
-        require_one_of("learning.jacobian", learning.jacobian, ("fixed", "manual", "recorded"))
-        for trial in learning.explored_again_at:
-            require(trial >= 1, "learning.explored_again_at", trial, "must be trials, from 1 on")
-        require(learning.window >= 1, "learning.window", learning.window, "must be at least 1")
+        require_not_negative("learning.regularization", learning.regularization)
+        learning.jacobian.validate("learning.jacobian")
         for name in ("successes", "repeats"):
             value = getattr(learning, name)
             require(value >= 0, f"learning.{name}", value, "must not be negative")

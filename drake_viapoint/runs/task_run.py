@@ -1,60 +1,23 @@
-"""Beginning, resuming and reading runs of the serve."""
+"""Beginning, resuming and reading the runs of any task."""
 
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_viapoint import __version__
 from drake_viapoint.errors import RunFolderError
-from drake_viapoint.packages import resolve
 from drake_viapoint.runs.run_folder import SCENARIO, RunFolder
-from drake_viapoint.tasks.scenario import dump_scenario, load_scenario
-from drake_viapoint.tasks.serve_scenario import ServeScenario
+from drake_viapoint.tasks.catalogue import scenario_in, task_scenario
+from drake_viapoint.tasks.scenario import Scenario, dump_scenario
 
-SHIPPED = "package://drake_viapoint/scenarios/serve.yaml"
-"""Address of the scenario that is used when none is named."""
-
-
-@dataclass(frozen=True)
-class ServeChanges:
-    """What a caller may want different from a scenario file; None keeps the file's value."""
-
-    person: int | None = None
-    seed: int | None = None
-    demonstration: Path | None = None
-    hit_time: float | None = None
-
-    def apply(self, scenario: ServeScenario) -> None:
-        """Change the scenario and check it again."""
-        watched = scenario.demonstration
-        if self.person is not None:
-            watched.person = self.person
-        if self.demonstration is not None:
-            watched.file = str(self.demonstration.absolute())
-            watched.person = 0
-        if self.hit_time is not None:
-            watched.hit_time = self.hit_time
-        if self.seed is not None:
-            scenario.seed = self.seed
-        scenario.validate()
+S = TypeVar("S", bound=Scenario)
 
 
-def serve_scenario(path: Path | None = None, changes: ServeChanges | None = None) -> ServeScenario:
-    """The scenario of a file, the shipped one if None, with changes.
-
-    Raises:
-        ScenarioError: The file or a change is not valid.
-    """
-    scenario = load_scenario(path or resolve(SHIPPED), ServeScenario)
-    (changes or ServeChanges()).apply(scenario)
-    return scenario
-
-
-def begin(path: Path, scenario: ServeScenario) -> RunFolder:
+def begin(path: Path, scenario: Scenario) -> RunFolder:
     """A new run's folder, its scenario complete with versions.
 
     Raises:
@@ -70,21 +33,27 @@ def has_run(path: Path) -> bool:
 
 
 def resume(
-    path: Path, file: Path | None = None, changes: ServeChanges | None = None
-) -> tuple[RunFolder, ServeScenario]:
+    path: Path,
+    task: str | None = None,
+    file: Path | None = None,
+    changes: Mapping[str, object] | None = None,
+) -> tuple[RunFolder, Any]:
     """An interrupted run's folder and scenario.
 
     Args:
         path: The folder.
+        task: Must be the folder's; any if None.
         file: A scenario; with the changes it must be the folder's. The folder's own if None.
         changes: Must agree with the folder's scenario.
 
     Raises:
-        RunFolderError: No run, a run of other versions, or a file or changes of another run.
+        RunFolderError: No run, a run of other versions, or a task, a file or changes of another.
     """
     folder = RunFolder.open(path)
     try:
         scenario = read_scenario(path)
+        if task is not None and scenario.task != task:
+            raise RunFolderError(path, f"holds a run of the {scenario.task}, not of the {task}")
         made_with, now = scenario.made_with, versions()
         for name in sorted(now):
             if made_with.get(name) != now[name]:
@@ -93,11 +62,10 @@ def resume(
                     f"was made with {name} {made_with.get(name)}, this is {now[name]}: its trials "
                     "would differ in their last bits",
                 )
-        asked = load_scenario(file or path / SCENARIO, ServeScenario)
-        (changes or ServeChanges()).apply(asked)
+        asked = task_scenario(scenario.task, file or path / SCENARIO, changes)
         asked.made_with = made_with
         if dump_scenario(asked) != dump_scenario(scenario):
-            what = "scenario" if file is not None else "person, seed or demonstration"
+            what = "scenario" if file is not None else ", ".join(changes or {})
             raise RunFolderError(path, f"holds a run of another {what}; name another folder")
     except BaseException:
         folder.close()
@@ -105,7 +73,7 @@ def resume(
     return folder, scenario
 
 
-def begin_or_resume(path: Path, scenario: ServeScenario) -> tuple[RunFolder, ServeScenario]:
+def begin_or_resume(path: Path, scenario: S) -> tuple[RunFolder, S]:
     """The run of a scenario in a folder: gone on with if it is there, begun if not.
 
     Raises:
@@ -121,7 +89,7 @@ def begin_or_resume(path: Path, scenario: ServeScenario) -> tuple[RunFolder, Ser
     return folder, recorded
 
 
-def read_scenario(path: Path) -> ServeScenario:
+def read_scenario(path: Path) -> Any:
     """The scenario in a run's folder.
 
     Raises:
@@ -130,7 +98,7 @@ def read_scenario(path: Path) -> ServeScenario:
     """
     if not (path / SCENARIO).is_file():
         raise RunFolderError(path, f"holds no run: there is no {SCENARIO}")
-    return load_scenario(path / SCENARIO, ServeScenario)
+    return scenario_in(path / SCENARIO)
 
 
 def versions() -> dict[str, str]:

@@ -1,0 +1,165 @@
+"""The commands: what each is called, what it takes, what it says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from drake_viapoint import __version__
+from drake_viapoint.cli.ending import interruptible, run
+from drake_viapoint.cli.learn import learn
+
+_EXISTING = click.Path(path_type=Path)
+_TASK = click.argument("task", type=click.Choice(["serve", "upswing"]))
+
+
+def main() -> None:
+    """Entry point: what goes wrong becomes one line on stderr, and an exit code."""
+    run(cli)
+
+
+@click.group(epilog="Start with: drake-viapoint learn serve --out runs/first")
+@click.version_option(__version__)
+def cli() -> None:
+    """Teach a robot a dynamic skill from one demonstration and a few tens of trials."""
+
+
+cli.add_command(learn)
+
+
+@cli.command()
+@click.argument("run", type=_EXISTING)
+@click.option("--trial", type=click.IntRange(1), help="Trial to show; the last one by default.")
+@click.option("--html", required=True, type=_EXISTING, help="File of the recording.")
+def replay(run: Path, trial: int | None, html: Path) -> None:
+    r"""Write a Meshcat recording of a run's trial, to be opened in a browser.
+
+    \b
+    Examples:
+      drake-viapoint replay runs/first --trial 1 --html first.html
+      drake-viapoint replay runs/first --html last.html
+    """
+    from drake_viapoint.reproduction.recording import record_trial
+
+    number = record_trial(run, trial, html)
+    click.echo(f"trial {number} of {run} is in {html}")
+
+
+@cli.command()
+@click.argument("file", type=_EXISTING)
+@click.option("--marker", help="Extract the path of this marker instead of the racket's pose.")
+@click.option(
+    "--body", nargs=3, metavar="UPPER LOWER WRIST", help="Names of the three markers of the body."
+)
+@click.option("--number", type=click.IntRange(2), help="Number of via-points, ends included.")
+@click.option("--threshold", type=float, help="Or the largest error left [m].")
+@click.option("--start", type=float, help="Begin here [s].")
+@click.option("--end", type=float, help="End here [s].")
+@click.option("--t-hit", type=float, help="Time of the hit [s]; looked for by default.")
+@click.option("--plot", type=_EXISTING, help="Picture; FILE-via-points.png here by default.")
+def extract(
+    file: Path,
+    marker: str | None,
+    body: tuple[str, str, str] | None,
+    number: int | None,
+    threshold: float | None,
+    start: float | None,
+    end: float | None,
+    t_hit: float | None,
+    plot: Path | None,
+) -> None:
+    r"""Print and plot the via-points of a marker file (C3D, TRC or CSV).
+
+    \b
+    Examples:
+      drake-viapoint extract my_serve.c3d
+      drake-viapoint extract reach.trc --marker fingertip --threshold 0.005
+      drake-viapoint extract serve.c3d --body RWRA RWRB RFIN --start 1.2 --end 2.4 --number 8
+    """
+    from drake_viapoint.reproduction.marker_file import extract_from_file
+
+    if marker is not None and body is not None:
+        raise click.UsageError("give either --marker or --body")
+    picture = plot or Path(f"{file.stem}-via-points.png")
+    lines = extract_from_file(
+        file,
+        picture,
+        marker=marker,
+        body=body,
+        number=number,
+        threshold=threshold,
+        start=start,
+        end=end,
+        hit_time=t_hit,
+    )
+    for line in lines:
+        click.echo(line)
+    click.echo(f"picture in {picture}")
+
+
+@cli.command()
+@_TASK
+@click.option("--person", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--out", required=True, type=_EXISTING, help="C3D file to write.")
+def demonstrate(task: str, person: int, out: Path) -> None:
+    r"""Write the synthetic demonstration of a virtual person as a C3D file.
+
+    \b
+    Examples:
+      drake-viapoint demonstrate serve --person 3 --out person3.c3d
+      drake-viapoint demonstrate upswing --person 3 --out person3.c3d
+    """
+    from drake_viapoint.demonstration.c3d import write_c3d
+    from drake_viapoint.tasks import catalogue
+
+    write_c3d(out, catalogue.TASKS[task].recorded_person(person))
+    click.echo(f"synthetic {task} of virtual person {person} in {out}")
+
+
+@cli.command()
+@_TASK
+def scenario(task: str) -> None:
+    r"""Print a task's scenario with every value, to be edited and given with --scenario.
+
+    \b
+    Examples:
+      drake-viapoint scenario serve > my_serve.yaml
+      drake-viapoint scenario upswing > my_upswing.yaml
+    """
+    from drake_viapoint.tasks.catalogue import task_scenario
+    from drake_viapoint.tasks.scenario import dump_scenario
+
+    click.echo(dump_scenario(task_scenario(task)), nl=False)
+
+
+@cli.command()
+@click.option("--out", required=True, type=_EXISTING, help="Folder of figures and runs.")
+@click.option(
+    "--persons",
+    type=click.IntRange(0),
+    default=20,
+    show_default=True,
+    help="Virtual persons of the study.",
+)
+def reproduce(out: Path, persons: int) -> None:
+    r"""Run the serve and draw our figures of the paper; then learn from many virtual persons.
+
+    \b
+    Example:
+      drake-viapoint reproduce --out results
+    """
+    from drake_viapoint.reproduction.reproduce import reproduce as run
+
+    def progress(label: str, total: int) -> Any:
+        return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)
+
+    with interruptible(lambda: "interrupted; the same command goes on from here"):
+        lines = run(out, persons, progress)
+    for line in lines:
+        click.echo(line)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+"""Trials kept in memory alone: for studies of many short runs that are cheaper to do again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+
+class MemoryLog:
+    """A learning run's records, gone when the process ends.
+
+    Attributes:
+        path: What to call the run in an error.
+        trials: Records of the trials so far.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.path = Path(name)
+        self.trials: list[dict[str, Any]] = []
+
+    def append(self, record: dict[str, Any]) -> dict[str, Any]:
+        """Keep a record; floats are read from a run folder with the same bits, so it is the same.
+
+        Unlike a folder's, it may hold numbers that are not finite.
+        """
+        self.trials.append(record)
+        return record

@@ -8,6 +8,7 @@ allowed if all of them are accepted, else half as long, and so on.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import TypeVar
 
 import numpy as np
@@ -37,7 +38,7 @@ class Stepping:
 
     def __init__(self, diagram: Diagram, config: SimulatorConfig) -> None:
         self._diagram = diagram
-        self._config = config
+        self._config = copy(config)  # it is mutable, and a trial shall not depend on that
         self._simulator = Simulator(diagram)
         self.context: Context = self._simulator.get_mutable_context()
         self._longest_step = config.max_step_size
@@ -66,10 +67,10 @@ class Stepping:
     def reset(self, time: float) -> None:
         """Bring the context to its default state at a time [s], and forget earlier steps."""
         self._diagram.SetDefaultContext(self.context)
-        self.context.SetTime(time)
         # an integrator keeps the step it adapted to in the trial before; this makes it forget
         ApplySimulatorConfig(self._config, self._simulator)
         self._simulator.get_mutable_integrator().set_maximum_step_size(self._longest_step)
+        self.context.SetTime(time)  # the configuration has a time of its own
 
     def advance(self, end: float, watch: Callable[[], bool]) -> None:
         """Integrate to a time [s], or to the first step at which a watch says stop.

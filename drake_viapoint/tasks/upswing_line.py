@@ -12,6 +12,7 @@ from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.arm import Arm
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics
 from drake_viapoint.robot.retargeting import POSE_NAMES
+from drake_viapoint.tasks.scene import scene_path
 from drake_viapoint.tasks.upswing_scenario import UpswingRobot
 
 _STRIDES = (0.1, 0.01, 0.001)  # [m] in which the end of the reach is looked for
@@ -27,20 +28,23 @@ class HandLine:
 
     Args:
         robot: Where the line starts, and how the hand is held.
-        arm: Who moves the hand.
+        arm: Who moves the hand; loaded from the robot's models if None.
 
     Attributes:
+        arm: Who moves the hand.
         reach: Least and largest x that the arm reaches without bending another way [m].
 
     Raises:
         ScenarioError: The pendulum's axis does not look forward, or the line starts out of reach.
+        ModelFileError: A model cannot be read or lacks a frame.
     """
 
-    def __init__(self, robot: UpswingRobot, arm: Arm) -> None:
+    def __init__(self, robot: UpswingRobot, arm: Arm | None = None) -> None:
+        self.arm = arm or Arm(scene_path(robot.directives), robot.tool_frame)
         self._start = np.array(robot.line, dtype=np.float64)
         self._angles = np.array(robot.orientation, dtype=np.float64)
         self._rotation = rotation_from_zyz(self._angles)
-        self._ik = InverseKinematics(arm, arm.rest)
+        self._ik = InverseKinematics(self.arm, self.arm.rest)
         if self._rotation[1, 1] < 1 - 1e-6:
             raise ScenarioError(
                 f"robot.orientation must have its y axis forward, got {robot.orientation} with y "

@@ -132,13 +132,15 @@ def check_places(x: ArrayLike, number: int) -> NDArray[np.float64]:
     """Places of the hand as an array (n,).
 
     Raises:
-        ScenarioError: Not as many as via-points.
+        ScenarioError: Not as many as via-points, or not finite.
     """
     places = np.asarray(x, dtype=np.float64)
     if places.shape != (number,):
         raise ScenarioError(
             f"the movement has {number} via-points, got an array of shape {places.shape}"
         )
+    if not np.all(np.isfinite(places)):
+        raise ScenarioError(f"places of the hand must be finite, got {places.tolist()}")
     return places
 
 

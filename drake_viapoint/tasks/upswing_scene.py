@@ -44,7 +44,6 @@ class UpswingScene:
     def __init__(self, scenario: UpswingScenario, meshcat: Meshcat | None = None) -> None:
         robot = scenario.robot
         self.arm = Arm(scene_path(robot.directives), robot.tool_frame)
-        self.line = HandLine(robot, self.arm)
         builder = DiagramBuilder()
         self.plant = add_plant(builder, scenario.plant, meshcat)
         add_models(self.plant, robot.directives)
@@ -53,6 +52,7 @@ class UpswingScene:
             axle = self.plant.GetFrameByName(robot.tool_frame)
         except RuntimeError as error:
             raise ModelFileError(robot.directives, " ".join(str(error).split())) from error
+        self.line = HandLine(robot, self.arm)
         upright = RotationMatrix(rotation_from_zyz(robot.orientation)).inverse()
         hinge = self.plant.AddFrame(FixedOffsetFrame("hinge", axle, RigidTransform(upright)))
         self.joint = hang_pendulum(self.plant, hinge, scenario.pendulum)

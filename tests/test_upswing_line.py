@@ -30,6 +30,14 @@ def test_the_hand_keeps_its_pose_along_the_line(line: HandLine) -> None:
         np.testing.assert_allclose(pose.rotation, line.rotation, atol=1e-9)
 
 
+def test_postures_found_together_are_those_found_one_by_one(line: HandLine) -> None:
+    places = np.linspace(*line.reach, 9)
+    alone = [line.posture(x) for x in places]
+    np.testing.assert_allclose(line.postures(places), alone, atol=1e-10)
+    with pytest.raises(UnreachableError, match=r"the hand at x = 0\.800 m"):
+        line.postures(np.array([0.1, 0.8, 0.2]))
+
+
 def test_the_shipped_line_is_at_ease_where_people_swing(line: HandLine) -> None:
     """Within 0.42 m of the middle: limits are far, joints turn slowly, nothing meets anything."""
     limits = line.arm.limits

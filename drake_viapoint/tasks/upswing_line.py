@@ -67,10 +67,18 @@ class HandLine:
         Raises:
             UnreachableError: The arm does not reach it.
         """
-        place = self.places(np.array([x]))
-        label = f"the hand at x = {x:.3f} m"
-        rest = self._ik.reference
-        return self._ik.solve(self._rotation[None], place, [label], rest[None])[0]
+        return self.postures(np.array([x]))[0]
+
+    def postures(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Joint angles (n, k) [rad] that hold the axle at places (n,) [m], found together.
+
+        Raises:
+            UnreachableError: The arm does not reach one of them.
+        """
+        labels = [f"the hand at x = {place:.3f} m" for place in x]
+        rotations = np.tile(self._rotation, (x.size, 1, 1))
+        near = np.tile(self._ik.reference, (x.size, 1))
+        return self._ik.solve(rotations, self.places(x), labels, near)
 
     def places(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Places (n,) along the line as points in the world (n, 3) [m]."""

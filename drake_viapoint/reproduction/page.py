@@ -1,0 +1,49 @@
+"""A scene that moves, as one HTML page that plays in any browser, offline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import Meshcat, MeshcatParams
+from pydrake.systems.framework import Context, Diagram
+
+FRAME = 1 / 64
+"""Time between two pictures [s]; Meshcat's own, and its multiples are exact."""
+
+
+def new_page() -> Meshcat:
+    """An empty page to draw on."""
+    return Meshcat(MeshcatParams(host="localhost"))  # its server is not for others to see
+
+
+def frame_times(duration: float) -> NDArray[np.float64]:
+    """Times (n,) of the pictures that show a movement and at least its end [s]."""
+    return FRAME * np.arange(int(np.ceil(duration / FRAME)) + 1, dtype=np.float64)
+
+
+def moving_page(
+    meshcat: Meshcat,
+    diagram: Diagram,
+    times: NDArray[np.float64],
+    pose: Callable[[Context, int], None],
+) -> str:
+    """The page, with a diagram that moves at true speed.
+
+    Args:
+        meshcat: What is drawn so far; the diagram shows itself there.
+        diagram: Whose bodies move.
+        times: (n,) of the pictures, from 0 on, multiples of ``FRAME`` [s].
+        pose: Puts the bodies, in the diagram's context, to where they are in a picture.
+    """
+    context = diagram.CreateDefaultContext()
+    meshcat.StartRecording(1 / FRAME, set_visualizations_while_recording=False)
+    for number, time in enumerate(times):
+        context.SetTime(time)
+        pose(context, number)
+        diagram.ForcedPublish(context)
+    meshcat.StopRecording()
+    meshcat.PublishRecording()
+    page: str = meshcat.StaticHtml()
+    return page

@@ -1,0 +1,69 @@
+"""A serve as a page: arm and ball as they moved, the ball's path, and what was asked."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import Meshcat, Rgba, Sphere
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.framework import Context
+
+from drake_viapoint.motion.minimum_jerk import minimum_jerk
+from drake_viapoint.motion.orientation import rotation_from_zyz
+from drake_viapoint.motion.via_points import ViaPoints
+from drake_viapoint.reproduction.page import frame_times, moving_page, new_page
+from drake_viapoint.tasks.serve_scenario import ServeScenario
+from drake_viapoint.tasks.serve_scene import ServeScene
+from drake_viapoint.tasks.serve_trial import ServeTrial
+
+_AFTERWARDS = 0.3  # [s] that the end is looked at
+_BALL = Rgba(0.75, 0.9, 0.1, 1.0)
+_PATH = Rgba(0.2, 0.4, 0.9, 1.0)
+_AXES = (Rgba(0.85, 0.15, 0.1, 1.0), Rgba(0.1, 0.65, 0.2, 1.0), Rgba(0.1, 0.3, 0.85, 1.0))
+_AXIS = 0.06  # [m] length of a via-point's axes
+
+
+def serve_page(scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints) -> str:
+    """A serve as an HTML page: arm and ball at true speed, ball path and via-points drawn.
+
+    Args:
+        scenario: Of the trial.
+        trial: What to show.
+        via_points: What the trial was asked to do.
+    """
+    meshcat = new_page()
+    scene = ServeScene(scenario, meshcat)
+    meshcat.SetCameraPose([2.3, -0.5, 1.6], [0.3, 1.1, 0.8])
+    _draw_paths(meshcat, trial, via_points)
+    cup = scene.carry.frame_on_parent()
+    times = frame_times(trial.end + _AFTERWARDS)
+    angles = trial.motion.q(np.minimum(times, trial.motion.end))
+    balls = trial.ball_path(np.minimum(times, trial.end))
+
+    def pose(context: Context, picture: int) -> None:
+        own = scene.plant.GetMyMutableContextFromRoot(context)
+        scene.plant.SetPositions(own, scene.instance, angles[picture])
+        place = cup.CalcPoseInWorld(own).inverse() @ RigidTransform(balls[picture])
+        scene.carry.SetPose(own, place)
+
+    return moving_page(meshcat, scene.diagram, times, pose)
+
+
+def _draw_paths(meshcat: Meshcat, trial: ServeTrial, via_points: ViaPoints) -> None:
+    times = np.linspace(0.0, trial.end, 300)
+    meshcat.SetLine("paths/ball", trial.ball_path(times).T, 3.0, _BALL)
+    path = minimum_jerk(via_points.times, via_points.values)(
+        np.linspace(via_points.times[0], via_points.times[-1], 300)
+    )
+    meshcat.SetLine("paths/racket", path[:, :3].T, 2.0, _PATH)
+    for number, pose in enumerate(via_points.values, start=1):
+        _draw_via_point(meshcat, f"via_points/{number}", pose)
+
+
+def _draw_via_point(meshcat: Meshcat, name: str, pose: NDArray[np.float64]) -> None:
+    rotation = rotation_from_zyz(pose[3:])
+    meshcat.SetObject(name, Sphere(0.012), _PATH)
+    meshcat.SetTransform(name, RigidTransform(RotationMatrix(rotation), pose[:3]))
+    for axis, colour in enumerate(_AXES):
+        ends = np.array([np.zeros(3), _AXIS * np.eye(3)[axis]]).T
+        meshcat.SetLine(f"{name}/axis{axis}", ends, 2.0, colour)

@@ -25,7 +25,8 @@ from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.demonstration.markers import read_markers
 from drake_viapoint.packages import resolve
 from drake_viapoint.runs import task_run
-from drake_viapoint.runs.run_folder import SCENARIO, TRIALS
+from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, read_trials
+from drake_viapoint.tasks.pendulum import PendulumMotion, Recurrence
 
 SERVE = resolve("package://drake_viapoint/demonstrations/serve.c3d")
 SHARED = Path(__file__).parents[1].parent / "shared" / "data"
@@ -344,7 +345,9 @@ def test_a_folder_that_cannot_be_written(command: Callable[..., Answer], tmp_pat
     (tmp_path / "file").write_text("")
     below = tmp_path / "file" / "run"
     command("learn", "serve", "--out", below).refuses(str(below), "cannot be written")
-    command("reproduce", "--out", below, "--persons", "0").refuses("cannot be written")
+    command("reproduce", "--out", below, "--persons", "0", "--upswing-persons", "0").refuses(
+        "cannot be written"
+    )
     command("extract", SERVE, "--plot", below / "x.png").refuses(str(below), "cannot be written")
     command("demonstrate", "serve", "--out", below / "x.c3d").refuses(str(below))
     (tmp_path / "mine").mkdir()
@@ -660,3 +663,127 @@ def test_without_a_command_it_says_what_there_is(
     answer = command(*arguments)
     assert answer.code == 2
     assert "Commands:" in answer.err
+
+
+# --------------------------------------------------------------------------------- the upswing
+
+
+@pytest.fixture(scope="module")
+def swung(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Answer]:
+    """A run of the shipped upswing; tests leave it as it is."""
+    folder = tmp_path_factory.mktemp("cli") / "swung"
+    return folder, process("learn", "upswing", "--out", folder, cwd=folder.parent)
+
+
+def test_learn_upswing_as_the_readme_says(swung: tuple[Path, Answer]) -> None:
+    folder, answer = swung
+    assert answer.code == 0, answer
+    assert answer.err == ""
+    lines = answer.out.splitlines()
+    records = read_trials(folder)
+    assert len(lines) == len(records) + 1
+    assert lines[0].startswith("trial   1   learning swing")
+    assert lines[-1] == f"learned at trial {len(records)}; {len(records)} trials are in {folder}"
+    assert [record["success"] for record in records[-4:]] == [False, True, True, True]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--jacobian", "fixed"),
+        ("--jacobian", "manual"),
+        ("--execution", "plant"),
+        ("--execution", "plant", "--hand", "tracked"),
+        ("--person", "3", "--seed", "7"),
+    ],
+    ids=" ".join,
+)
+def test_options_of_the_upswing(
+    command: Callable[..., Answer], tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    answer = command("learn", "upswing", "--out", "run", "--max-trials", "2", *options)
+    assert answer.code == 1, answer
+    said = (tmp_path / "run" / SCENARIO).read_text()
+    for value in options[1::2]:
+        assert f": {value}\n" in said
+    again = command("learn", "upswing", "--out", "run", "--max-trials", "3", "--resume")
+    assert again.out.startswith("going on after trial 2")
+    assert len(read_trials(tmp_path / "run")) == 3
+
+
+def test_a_scenario_of_the_upswing(command: Callable[..., Answer], tmp_path: Path) -> None:
+    printed = command("scenario", "upswing").out
+    (tmp_path / "mine.yaml").write_text(printed.replace("length: 0.35", "length: 0.3"))
+    answer = command(
+        "learn", "upswing", "--scenario", "mine.yaml", "--out", "run", "--max-trials", "1"
+    )
+    assert answer.code == 1, answer
+    assert "length: 0.3\n" in (tmp_path / "run" / SCENARIO).read_text()
+    command("learn", "serve", "--scenario", "mine.yaml", "--out", "other").refuses(
+        "mine.yaml", "pendulum"
+    )
+
+
+def test_ones_own_upswing(command: Callable[..., Answer], tmp_path: Path) -> None:
+    assert command("demonstrate", "upswing", "--person", "5", "--out", "five.c3d").code == 0
+    seen = read_markers(tmp_path / "five.c3d")
+    mine = csv_of(seen, seen.times, tmp_path / "mine.csv")
+    answer = command(
+        "learn", "upswing", "--demonstration", mine, "--out", "run", "--max-trials", "1"
+    )
+    assert answer.code == 1, answer
+    alone = MarkerRecording(("hand",), seen.times, seen.positions[:, :1])
+    hand = csv_of(alone, seen.times, tmp_path / "hand.csv")
+    line = ("learn", "upswing", "--demonstration", hand, "--out", "blind")
+    command(*line).refuses("end state", "hand.csv")
+    assert not (tmp_path / "blind").exists()
+    answer = command(*line, "--end-state", "0", "-0.5", "--max-trials", "1")
+    assert answer.code == 1, answer
+    assert read_trials(tmp_path / "blind")[0]["Td"] == [0.0, -0.5]
+
+
+def test_bad_upswings_are_one_line_and_leave_no_folder(
+    command: Callable[..., Answer], tmp_path: Path
+) -> None:
+    def refused(scenario: str, *words: str, options: tuple[str, ...] = ()) -> None:
+        (tmp_path / "bad.yaml").write_text(scenario)
+        line = ("learn", "upswing", "--out", "run", "--scenario", "bad.yaml", *options)
+        command(*line).refuses(*words)
+        assert not (tmp_path / "run").exists()
+
+    refused("demonstration: {via_points: 10}", "bad.yaml", "learning.control", "8 interior ones")
+    refused("time_step: 0.03", "time_step 0.03 s does not divide", "would")
+    plant = ("--execution", "plant")
+    refused("robot: {line: [0.35, 0.44, 1.215]}", "via-point", "mm beyond", options=plant)
+    refused("robot: {line: [2.0, 0.44, 1.215]}", "robot.line", "out of reach", options=plant)
+    refused("robot: {orientation: [1.0, 1.57, 0.0]}", "robot.orientation", "y", options=plant)
+    refused("robot: {tool_frame: nothing}", "nothing", options=plant)
+    refused("task: serve", "task must be upswing, got serve")
+    both = ("--person", "1", "--demonstration", str(SERVE))
+    refused("", "either --person or --demonstration", options=both)
+    command("learn", "upswing", "--out", "run", "--demonstration", SERVE).refuses("'hand'")
+    command("learn", "upswing", "--out", "run", "--jacobian", "guessed").refuses("guessed")
+
+
+def test_a_trial_without_numbers(
+    command: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sound = Recurrence.__call__
+
+    def broken(self: Recurrence, x: np.ndarray) -> PendulumMotion:
+        motion = sound(self, x)
+        return motion._replace(angle=motion.angle * np.nan)
+
+    line = ("learn", "upswing", "--out", "run")
+    command(*line, "--max-trials", "4")
+    with monkeypatch.context() as patched:
+        patched.setattr(Recurrence, "__call__", broken)
+        answer = command(*line, "--resume")
+    assert answer.code == 1
+    said = answer.out.splitlines()[-1]
+    assert said.startswith("not learned: trial 5: T is not finite: [nan, ")
+    assert said.endswith("drake-viapoint learn upswing --out run --resume")
+    assert command(*line, "--resume").code == 0
+    records = read_trials(tmp_path / "run")
+    assert records[4]["outcome"] == "failed"
+    assert records[5]["via_points"] == records[4]["via_points"]

@@ -23,7 +23,7 @@ from drake_viapoint.cli.commands import cli
 from drake_viapoint.errors import RunFolderError
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.reproduction import upswing_page
-from drake_viapoint.reproduction.page import FRAME, frame_times
+from drake_viapoint.reproduction.page import FRAME, frame_times, moving_page
 from drake_viapoint.reproduction.recording import PAGES, record_trial
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
@@ -126,10 +126,6 @@ def test_every_task_can_be_recorded() -> None:
     assert PAGES.keys() == TASKS.keys()
 
 
-def test_the_last_trial_is_recorded_by_default(runs: dict[str, Path], tmp_path: Path) -> None:
-    assert record_trial(runs["serve"], None, tmp_path / "x.html") == 2
-
-
 @pytest.mark.parametrize("number", [0, 3])
 @pytest.mark.parametrize("kind", ["serve", "recurrence"])
 def test_a_trial_that_was_not_made(
@@ -165,15 +161,10 @@ def test_a_trial_that_gave_no_numbers(runs: dict[str, Path], tmp_path: Path) -> 
         record_trial(run, 2, tmp_path / "x.html")
 
 
-def test_replay_of_an_upswing(runs: dict[str, Path], tmp_path: Path) -> None:
-    page = tmp_path / "x.html"
-    said = CliRunner().invoke(
-        cli, ["replay", str(runs["recurrence"]), "--trial", "1", "--html", str(page)]
-    )
-    assert (said.exit_code, said.output) == (
-        0,
-        f"trial 1 of {runs['recurrence']} is in {page}\n",
-    )
+def test_replay_shows_the_last_trial_by_default(runs: dict[str, Path], tmp_path: Path) -> None:
+    run, page = runs["recurrence"], tmp_path / "x.html"
+    said = CliRunner().invoke(cli, ["replay", str(run), "--html", str(page)])
+    assert (said.exit_code, said.output) == (0, f"trial 2 of {run} is in {page}\n")
     assert page.read_text().lstrip().lower().startswith("<!doctype html")
 
 
@@ -191,6 +182,7 @@ def test_pictures_are_at_exact_times_and_show_the_end(duration: float) -> None:
 class Seen(NamedTuple):
     """Of an upswing's page, picture by picture."""
 
+    page: str
     times: NDArray[np.float64]  # (n,) [s]
     axle: NDArray[np.float64]  # (n, 3) in the arm's hand [m]
     hinge: NDArray[np.float64]  # (n, 3) [m]
@@ -212,7 +204,7 @@ def seen(
             super().SetTransform(path, pose, time_in_recording)
 
     def looked_at(
-        _: Meshcat,
+        meshcat: Meshcat,
         diagram: Diagram,
         times: NDArray[np.float64],
         pose: Callable[[Context, int], None],
@@ -232,12 +224,12 @@ def seen(
             place = pendulum.CalcPoseInWorld(own)
             axle = plant.GetFrameByName("axle").CalcPoseInWorld(own).translation()
             pictures.append((time, axle, place.translation() + shift, place @ tip + shift))
-        return "page"
+        return moving_page(meshcat, diagram, times, pose)
 
     monkeypatch.setattr(upswing_page, "new_page", lambda: Watched(MeshcatParams(host="localhost")))
     monkeypatch.setattr(upswing_page, "moving_page", looked_at)
-    assert upswing_page.upswing_page(task.scenario, trial, via_points) == "page"
-    return Seen(*map(np.array, zip(*pictures, strict=True)))
+    page = upswing_page.upswing_page(task.scenario, trial, via_points)
+    return Seen(page, *map(np.array, zip(*pictures, strict=True)))
 
 
 @pytest.mark.parametrize(
@@ -279,9 +271,8 @@ def test_a_hand_out_of_reach_leaves_the_arm_behind(
     trial = task.execute(far, seed=0)
     hand = trial.motion.hand
     assert hand.max() > 0.6
-    page = upswing_page.upswing_page(task.scenario, trial, far)
-    assert PENDULUM_MOVED in contents(page)
     pictures = seen(monkeypatch, task, trial, far)
+    assert PENDULUM_MOVED in contents(pictures.page)
     np.testing.assert_allclose(pictures.hinge[:, 0].max(), hand.max(), atol=0.01)
     assert pictures.axle[:, 0].max() == pytest.approx(0.5, abs=0.01)
     np.testing.assert_allclose(pictures.hinge[:, 1:], pictures.axle[:, 1:], atol=1e-7)

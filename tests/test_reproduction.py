@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
-import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -29,13 +26,9 @@ from drake_viapoint.reproduction import (
     persons,
 )
 from drake_viapoint.reproduction.persons import PersonResult
-from drake_viapoint.reproduction.recording import record_trial
-from drake_viapoint.reproduction.reproduce import reproduce, shown_trials
+from drake_viapoint.reproduction.serve_reproduction import reproduce_serve, shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, save
-from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
-from drake_viapoint.runs.task_run import begin
-from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import ServeTrial
 
@@ -223,66 +216,6 @@ def test_a_disk_is_no_person(tmp_path: Path) -> None:
         persons.study_persons(tmp_path / "file", 1)
 
 
-# ----------------------------------------------------------------------------------- recordings
-
-
-class Page(HTMLParser):
-    """Addresses a browser would fetch, and the scripts a page brings itself."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.fetched: list[str] = []
-        self.scripts = 0
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.scripts += tag == "script" and "src" not in given
-        address = given.get("src") or (given.get("href") if tag == "link" else None)
-        if address and not address.startswith("data:"):
-            self.fetched.append(address)
-
-
-@pytest.fixture(scope="module")
-def short_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("short") / "run"
-    scenario = task_scenario("serve")
-    with begin(path, scenario) as folder:
-        learn(ServeTask(scenario), folder, seed=scenario.seed, max_trials=2)
-    return path
-
-
-def test_a_recording_is_one_file_that_needs_no_other(short_run: Path, tmp_path: Path) -> None:
-    before = (short_run / TRIALS).read_bytes()
-    assert record_trial(short_run, 1, tmp_path / "x.html") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["x.html"]
-    text = (tmp_path / "x.html").read_text()
-    page = Page(text)
-    assert page.scripts > 0
-    assert page.fetched == []
-    assert not re.search(r"@import|url\(\s*['\"]?https?:", text)
-    assert (short_run / TRIALS).read_bytes() == before
-    scene = b"".join(map(base64.b64decode, re.findall(r"base64,([A-Za-z0-9+/=]+)", text)))
-    for part in (b"paths/ball", b"paths/racket", b"via_points/8", b"set_animation"):
-        assert part in scene
-
-
-def test_the_last_trial_is_recorded_by_default(short_run: Path, tmp_path: Path) -> None:
-    assert record_trial(short_run, None, tmp_path / "x.html") == 2
-
-
-@pytest.mark.parametrize("number", [0, 3])
-def test_a_trial_that_was_not_made(short_run: Path, tmp_path: Path, number: int) -> None:
-    with pytest.raises(RunFolderError, match=f"trials 1 to 2, not {number}"):
-        record_trial(short_run, number, tmp_path / "x.html")
-
-
-def test_a_run_without_trials(tmp_path: Path) -> None:
-    begin(tmp_path / "run", task_scenario("serve")).close()
-    with pytest.raises(RunFolderError, match="holds no trial yet"):
-        record_trial(tmp_path / "run", None, tmp_path / "x.html")
-
-
 # ------------------------------------------------------------------------------ the whole of it
 
 
@@ -303,7 +236,7 @@ class Bars:
 
 def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) -> None:
     out, bars = tmp_path / "results", Bars()
-    said = reproduce(out, 1, bars)
+    said = reproduce_serve(out, 1, bars)
     names = {path.name for path in out.iterdir()}
     pages = {name for name in names if name.endswith(".html")}
     assert names - pages == {
@@ -325,5 +258,5 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
 
     lines_of = [out / "serve" / TRIALS, out / "persons" / "person00" / TRIALS]
     stamps = [path.stat().st_mtime_ns for path in lines_of]
-    assert reproduce(out, 0, bars) == said[:3]
+    assert reproduce_serve(out, 0, bars) == said[:3]
     assert [path.stat().st_mtime_ns for path in lines_of] == stamps

@@ -136,27 +136,36 @@ def scenario(task: str) -> None:
 
 @cli.command()
 @click.option("--out", required=True, type=_EXISTING, help="Folder of figures and runs.")
+@click.option("--only", type=click.Choice(["serve", "upswing"]), help="Not everything.")
 @click.option(
     "--persons",
     type=click.IntRange(0),
     default=20,
     show_default=True,
-    help="Virtual persons of the study.",
+    help="Virtual persons from whom the serve is learned.",
 )
-def reproduce(out: Path, persons: int) -> None:
-    r"""Run the serve and draw our figures of the paper; then learn from many virtual persons.
+@click.option(
+    "--upswing-persons",
+    type=click.IntRange(0),
+    default=200,
+    show_default=True,
+    help="Virtual persons from whom the upswing is learned.",
+)
+def reproduce(out: Path, only: str | None, persons: int, upswing_persons: int) -> None:
+    r"""Run the serve and the upswing, draw our figures, then learn from many virtual persons.
 
     \b
-    Example:
+    Examples:
       drake-viapoint reproduce --out results
+      drake-viapoint reproduce --out results --only upswing --upswing-persons 20
     """
-    from drake_viapoint.reproduction.reproduce import reproduce as run
+    from drake_viapoint.reproduction.reproduce import reproduce as reproduce_all
 
     def progress(label: str, total: int) -> Any:
         return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)
 
     with interruptible(lambda: "interrupted; the same command goes on from here"):
-        lines = run(out, persons, progress)
+        lines = reproduce_all(out, persons, upswing_persons, progress, only)
     for line in lines:
         click.echo(line)
 

@@ -55,10 +55,8 @@ class RefusedTrial:
 
 
 def recorded_vector(record: dict[str, Any], name: str) -> NDArray[np.float64] | None:
-    """A task variable as recorded: None if it was not reached, NaN if it was not a number."""
-    if record["outcome"] == FAILED:
-        return np.full(1, np.nan)
-    value = record[name]
+    """A task variable as recorded: None if it was not reached, NaN where it was no number."""
+    value = record[name]  # a line of a run has None where there was no number
     return None if value is None else np.array(value, dtype=np.float64)
 
 

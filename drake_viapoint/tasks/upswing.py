@@ -20,6 +20,7 @@ from drake_viapoint.tasks.upswing_demonstration import (
     recorded_upswing,
     watch_upswing,
 )
+from drake_viapoint.tasks.upswing_line import LineCheck
 from drake_viapoint.tasks.upswing_plant import KinematicExecution
 from drake_viapoint.tasks.upswing_scenario import UpswingLearning, UpswingScenario
 from drake_viapoint.tasks.upswing_scene import UpswingScene
@@ -41,6 +42,11 @@ class UpswingTask:
     Attributes:
         watched: The demonstration.
         execution: What executes trials.
+
+    Raises:
+        ScenarioError: The time step does not divide the movement, or a value is out of its bounds.
+        UnreachableError: The demonstrated movement is out of the arm's reach.
+        ViapointError: The demonstration cannot be read or does not show an upswing.
     """
 
     name = "upswing"
@@ -88,6 +94,7 @@ class UpswingTask:
             pendulum = Pendulum(scenario.pendulum.length, scenario.pendulum.damping)
             return Recurrence(first.times, pendulum, scenario.time_step)
         scene = scene or UpswingScene(scenario)
+        LineCheck(scene.line, first.times)(first.values[:, 0])  # said before the first trial
         if scenario.hand == "kinematic":
             return KinematicExecution(scenario, scene.line, first.times)
         return TrackedExecution(scenario, scene, first.times, first.values[:, 0])

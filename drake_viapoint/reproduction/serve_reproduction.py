@@ -1,0 +1,136 @@
+"""Section 2.1 from a run made here and now: our Figs. 2 to 7, three recordings, the study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from drake_viapoint.reproduction import (
+    figure2,
+    figure3,
+    figure4,
+    figure5,
+    figure6,
+    figure7,
+    persons,
+)
+from drake_viapoint.reproduction.progress import Progress
+from drake_viapoint.reproduction.recording import record_trial
+from drake_viapoint.reproduction.style import POSE_LABELS, SYNTHETIC, save
+from drake_viapoint.runs.learning_run import learn, recorded_via_points
+from drake_viapoint.runs.run_folder import read_trials
+from drake_viapoint.runs.task_run import begin_or_resume
+from drake_viapoint.tasks.catalogue import task_scenario
+from drake_viapoint.tasks.serve import ServeTask
+from drake_viapoint.tasks.serve_trial import ServeTrial
+
+
+def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> list[str]:
+    """Run the serve, draw our Figs. 2 to 7, record three trials, learn from many persons.
+
+    Runs that the folder holds already are gone on with, not done again.
+
+    Args:
+        out: Folder of figures, recordings and runs.
+        number_of_persons: Virtual persons of the study; none is made if 0.
+        progress: Shows what goes on.
+
+    Returns:
+        Lines that say what was found and where it is.
+
+    Raises:
+        ViapointError: The folder cannot be written or holds other runs.
+    """
+    run = out / "serve"
+    folder, scenario = begin_or_resume(run, task_scenario("serve"))
+    with folder, progress("learning the serve", persons.MAX_TRIALS) as bar:
+        task = ServeTask(scenario)
+        result = learn(
+            task,
+            folder,
+            seed=scenario.seed,
+            max_trials=persons.MAX_TRIALS,
+            on_trial=lambda *_: bar.update(1),
+        )
+        bar.update(persons.MAX_TRIALS)
+    records = read_trials(run)
+    shown = shown_trials(records)
+    with progress("figures and recordings", 6 + len(shown)) as bar:
+        for name, figure in _figures(task, records, shown).items():
+            save(figure, out / f"{name}.png")
+            bar.update(1)
+        recordings = [
+            (number, out / f"serve_trial{number:02d}.html")
+            for number in dict.fromkeys(numbers[-1] for numbers in shown.values())
+        ]
+        for number, page in recordings:
+            record_trial(run, number, page)
+            bar.update(1)
+    lines = [
+        f"serve: learned at trial {result.learned_at}"
+        if result.learned_at
+        else f"serve: not learned within {result.trials} trials",
+        f"figures in {out}/figure2.png to figure7.png",
+        "recordings in " + ", ".join(str(page) for _, page in recordings),
+    ]
+    if number_of_persons:
+        with progress("learning from virtual persons", number_of_persons) as bar:
+            results = persons.study_persons(
+                out / "persons", number_of_persons, lambda: bar.update(1)
+            )
+        table = persons.write_table(results, out / "persons.csv")
+        save(persons.draw(results), out / "persons.png")
+        lines += [persons.summary(results), f"table in {table}, picture in {out}/persons.png"]
+    return lines
+
+
+def shown_trials(records: Sequence[Mapping[str, Any]]) -> dict[str, list[int]]:
+    """Which trials our Fig. 6 shows, by column title: first, first hit, last with its repeats.
+
+    The first hit is the trial that ended subtask 1: ball and face met, the goal still missed.
+    """
+    before_strike = [r["trial"] for r in records if r["subtask"] == "throw"]
+    first_hit = before_strike[-1] if before_strike else records[-1]["trial"]
+    repeats = [r["trial"] for r in records if r["purpose"] == "repeat"]
+    last = [repeats[0] - 1, *repeats] if repeats else [records[-1]["trial"]]
+    span = f"trials {last[0]} to {last[-1]}" if len(last) > 1 else f"trial {last[0]}"
+    return {
+        "first trial": [1],
+        f"trial {first_hit}: subtask 1 done": [first_hit],
+        f"{span}: the end": last,
+    }
+
+
+def _figures(
+    task: ServeTask, records: Sequence[dict[str, Any]], shown: Mapping[str, Sequence[int]]
+) -> dict[str, Any]:
+    watched = task.watched
+    times = watched.pose.times - watched.pose.times[0]
+    note = f" ({SYNTHETIC})" if watched.synthetic else ""
+    executed: dict[str, list[ServeTrial]] = {}
+    for title, numbers in shown.items():
+        trials = [
+            task.execute(
+                recorded_via_points(records[number - 1], task.via_points.names),
+                records[number - 1]["seed"],
+            )
+            for number in numbers
+        ]
+        executed[title] = [trial for trial in trials if isinstance(trial, ServeTrial)]
+    learning = task.scenario.learning
+    return {
+        "figure2": figure2.draw(watched),
+        "figure3": figure3.draw(times, watched.pose.values, watched.extraction, note=note),
+        "figure4": figure4.draw(
+            times,
+            watched.pose.values,
+            watched.extraction,
+            POSE_LABELS,
+            title=f"Racket pose and via-points{note}",
+            hit_time=watched.hit_time,
+        ),
+        "figure5": figure5.draw(task),
+        "figure6": figure6.draw(task, executed),
+        "figure7": figure7.draw(records, learning.meeting_tolerance, learning.landing_tolerance),
+    }

@@ -1,0 +1,95 @@
+"""Results of a study, one JSON line a piece of work, so that what is done is never done again.
+
+The first line says which study it is. A line cut short by a kill is dropped when the file is
+opened again, and its piece of work done again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from drake_viapoint.errors import RunFolderError
+
+
+class StudyLog:
+    """An open file of results; a context manager.
+
+    Args:
+        path: The file, made if it is not there.
+        study: What the results depend on, as plain data.
+
+    Attributes:
+        path: The file.
+        rows: Results so far.
+
+    Raises:
+        RunFolderError: The file holds another study's results, or cannot be read or written.
+    """
+
+    def __init__(self, path: Path, study: dict[str, Any]) -> None:
+        self.path = path
+        self.rows: list[dict[str, Any]] = []
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file: IO[bytes] = path.open("a+b")
+            self._file.seek(0)
+            lines = self._file.read().split(b"\n")
+            whole = self._read(lines[:-1], study)
+            self._file.truncate(whole)
+            if not whole:
+                self._write({"study": study})
+        except OSError as error:
+            raise RunFolderError(path, f"cannot be written: {error.strerror}") from error
+
+    def append(self, row: dict[str, Any]) -> None:
+        """Put a result on the disk.
+
+        Raises:
+            RunFolderError: It could not be written.
+        """
+        try:
+            self._write(row)
+        except OSError as error:
+            raise RunFolderError(self.path, f"cannot be written: {error.strerror}") from error
+        self.rows.append(row)
+
+    def __enter__(self) -> StudyLog:
+        """Nothing more to do: the file is open."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _read(self, lines: list[bytes], study: dict[str, Any]) -> int:
+        """Take in whole lines; returns how many bytes they take."""
+        length = 0
+        for number, line in enumerate(lines, start=1):
+            try:
+                row = json.loads(line)
+            except ValueError as error:
+                if number == len(lines):
+                    break
+                raise RunFolderError(self.path, f"line {number} is damaged") from error
+            if number > 1:
+                self.rows.append(row)
+            elif row != {"study": json.loads(json.dumps(study))}:
+                raise RunFolderError(
+                    self.path, "holds results of another study or version; name another folder"
+                )
+            length += len(line) + 1
+        return length
+
+    def _write(self, row: dict[str, Any]) -> None:
+        self._file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
+        self._file.flush()
+        os.fsync(self._file.fileno())

@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from progress_bars import Bars
 
 from drake_viapoint.errors import RunFolderError, UnreachableError, ViapointError
 from drake_viapoint.motion.extraction import extract_via_points
@@ -28,6 +28,7 @@ from drake_viapoint.reproduction import (
 from drake_viapoint.reproduction.persons import PersonResult
 from drake_viapoint.reproduction.serve_reproduction import reproduce_serve, shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, save
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import ServeTrial
@@ -173,7 +174,7 @@ def test_the_summary_counts_the_learned_and_their_trials() -> None:
 
 
 def test_the_table_explains_failures(tmp_path: Path) -> None:
-    table = persons.write_table([LEARNED, SLOW, FAILED], tmp_path / "new" / "persons.csv")
+    table = write_table([LEARNED, SLOW, FAILED], tmp_path / "new" / "persons.csv")
     with table.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["learned_at"] for row in rows] == ["27", "41", ""]
@@ -217,21 +218,6 @@ def test_a_disk_is_no_person(tmp_path: Path) -> None:
 
 
 # ------------------------------------------------------------------------------ the whole of it
-
-
-class Bars:
-    """Counts what the progress bars are told."""
-
-    def __init__(self) -> None:
-        self.seen: dict[str, list[int]] = {}
-
-    @contextmanager
-    def __call__(self, label: str, total: int) -> Iterator[Bars]:
-        self.seen[label] = self.current = [total]
-        yield self
-
-    def update(self, n_steps: int) -> None:
-        self.current.append(n_steps)
 
 
 def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from progress_bars import Bars
 
 from drake_viapoint.reproduction import figure11, figure12, figure13
 from drake_viapoint.reproduction.reproduce import reproduce
@@ -17,21 +16,6 @@ from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.upswing import UpswingTask
 from drake_viapoint.tasks.upswing_scene import UpswingScene
 from drake_viapoint.tasks.upswing_trial import UpswingTrial
-
-
-class Bars:
-    """Counts what the progress bars are told."""
-
-    def __init__(self) -> None:
-        self.seen: dict[str, list[int]] = {}
-
-    @contextmanager
-    def __call__(self, label: str, total: int) -> Iterator[Bars]:
-        self.seen[label] = self.current = [total]
-        yield self
-
-    def update(self, n_steps: int) -> None:
-        self.current.append(n_steps)
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from drake_viapoint.errors import RunFolderError
 from drake_viapoint.reproduction import upswing_persons, upswing_study
 from drake_viapoint.reproduction.style import save
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.reproduction.upswing_study import (
     MAX_TRIALS,
     PersonRun,
     study_result,
     study_upswings,
     summary,
-    write_table,
 )
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.memory_log import MemoryLog

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -94,16 +93,6 @@ def _study(path: Path, person: int) -> PersonResult:
         len(records),
         reason,
     )
-
-
-def write_table(results: Sequence[PersonResult], path: Path) -> Path:
-    """Write the results as CSV."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, [field.name for field in fields(PersonResult)])
-        table.writeheader()
-        table.writerows(asdict(result) for result in results)
-    return path
 
 
 def summary(results: Sequence[PersonResult]) -> str:

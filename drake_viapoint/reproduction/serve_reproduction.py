@@ -18,6 +18,7 @@ from drake_viapoint.reproduction import (
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
 from drake_viapoint.reproduction.style import POSE_LABELS, SYNTHETIC, save
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.learning_run import learn, recorded_via_points
 from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.task_run import begin_or_resume
@@ -79,7 +80,7 @@ def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> li
             results = persons.study_persons(
                 out / "persons", number_of_persons, lambda: bar.update(1)
             )
-        table = persons.write_table(results, out / "persons.csv")
+        table = write_table(results, out / "persons.csv")
         save(persons.draw(results), out / "persons.png")
         lines += [persons.summary(results), f"table in {table}, picture in {out}/persons.png"]
     return lines

@@ -11,12 +11,12 @@ from drake_viapoint.reproduction import figure11, figure12, figure13, upswing_pe
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
 from drake_viapoint.reproduction.style import save
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.reproduction.upswing_study import (
     MAX_TRIALS,
     study_result,
     study_upswings,
     summary,
-    write_table,
 )
 from drake_viapoint.runs.learning_run import learn, recorded_via_points
 from drake_viapoint.runs.run_folder import read_trials

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -150,16 +149,6 @@ def study_result(runs: Iterable[PersonRun]) -> list[WayResult]:
     for run in runs:
         groups.setdefault((run.execution, run.way), []).append(run)
     return [_result(execution, way, group) for (execution, way), group in groups.items()]
-
-
-def write_table(results: Sequence[WayResult], path: Path) -> Path:
-    """Write results as CSV."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, [field.name for field in fields(WayResult)])
-        table.writeheader()
-        table.writerows(asdict(result) for result in results)
-    return path
 
 
 def summary(result: WayResult) -> str:

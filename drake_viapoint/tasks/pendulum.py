@@ -90,20 +90,24 @@ class Recurrence:
                 f"the movement has {self._hand.shape[1]} via-points, got an array of shape "
                 f"{np.shape(x)}"
             )
-        angle, speed = self._swing_one(points) if points.ndim == 1 else self._swing(points)
-        return PendulumMotion(self.times, points @ self._hand.T, angle.T, speed.T)
+        if points.ndim == 1:
+            return PendulumMotion(self.times, self._hand @ points, *self._swing_one(points))
+        places = np.ascontiguousarray(points.T)
+        angle, speed = self._swing(places)
+        return PendulumMotion(self.times, _products(self._hand, places).T, angle.T, speed.T)
 
     def _swing(
-        self, points: NDArray[np.float64]
+        self, places: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Angle and speed, one row a step: rows are contiguous, so each step is quick."""
+        """Angle and speed (n, b) of via-points (m, b): rows are contiguous, so a step is quick."""
         # the speed is reckoned in radians a step: one product less
         pull = self._step * self._gain
-        drive = (pull / GRAVITY) * (self._acceleration @ points.T)  # (n - 1, b)
-        angles = np.empty((self.times.size, len(points)))
+        drive = _products(self._acceleration, places)  # (n - 1, b)
+        drive *= pull / GRAVITY
+        angles = np.empty((self.times.size, places.shape[1]))
         speeds = np.empty_like(angles)
         angles[0], speeds[0] = HANGING, 0.0
-        push = np.empty(len(points))
+        push = np.empty(places.shape[1])
         angle, speed = angles[0], speeds[0]
         for along, next_angle, next_speed in zip(drive, angles[1:], speeds[1:], strict=True):
             np.sin(angle, out=next_speed)
@@ -117,7 +121,8 @@ class Recurrence:
                 next_speed += np.multiply(speed, self._kept, out=push)
             np.add(angle, next_speed, out=next_angle)
             angle, speed = next_angle, next_speed
-        return angles, speeds / self._step
+        speeds /= self._step
+        return angles, speeds
 
     def _swing_one(
         self, point: NDArray[np.float64]
@@ -133,6 +138,12 @@ class Recurrence:
             angles.append(angle)
             speeds.append(speed)
         return np.array(angles), np.array(speeds) / self._step
+
+
+def _products(matrix: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A matrix product without the threads of one: they wait long for a core that is busy."""
+    product: NDArray[np.float64] = np.einsum("ij,jk->ik", matrix, columns)
+    return product
 
 
 def whole_steps(duration: float, time_step: float) -> int:

@@ -34,7 +34,7 @@ cli.add_command(learn)
 @click.option("--trial", type=click.IntRange(1), help="Trial to show; the last one by default.")
 @click.option("--html", required=True, type=_EXISTING, help="File of the recording.")
 def replay(run: Path, trial: int | None, html: Path) -> None:
-    r"""Write a Meshcat recording of a run's trial, to be opened in a browser.
+    """Write a Meshcat recording of a run's trial, to be opened in a browser.
 
     \b
     Examples:
@@ -70,7 +70,7 @@ def extract(
     t_hit: float | None,
     plot: Path | None,
 ) -> None:
-    r"""Print and plot the via-points of a marker file (C3D, TRC or CSV).
+    """Print and plot the via-points of a marker file (C3D, TRC or CSV).
 
     \b
     Examples:
@@ -104,7 +104,7 @@ def extract(
 @click.option("--person", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--out", required=True, type=_EXISTING, help="C3D file to write.")
 def demonstrate(task: str, person: int, out: Path) -> None:
-    r"""Write the synthetic demonstration of a virtual person as a C3D file.
+    """Write the synthetic demonstration of a virtual person as a C3D file.
 
     \b
     Examples:
@@ -121,7 +121,7 @@ def demonstrate(task: str, person: int, out: Path) -> None:
 @cli.command()
 @_TASK
 def scenario(task: str) -> None:
-    r"""Print a task's scenario with every value, to be edited and given with --scenario.
+    """Print a task's scenario with every value, to be edited and given with --scenario.
 
     \b
     Examples:
@@ -152,7 +152,7 @@ def scenario(task: str) -> None:
     help="Virtual persons from whom the upswing is learned.",
 )
 def reproduce(out: Path, only: str | None, persons: int, upswing_persons: int) -> None:
-    r"""Run the serve and the upswing, draw our figures, then learn from many virtual persons.
+    """Run the serve and the upswing, draw our figures, then learn from many virtual persons.
 
     \b
     Examples:

@@ -56,7 +56,7 @@ def learn() -> None:
 @click.option("--t-hit", type=float, help="Time of the hit in the demonstration [s].")
 @click.pass_context
 def learn_serve(ctx: click.Context, /, t_hit: float | None, **options: Any) -> None:
-    r"""Learn the tennis serve.
+    """Learn the tennis serve.
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
 
@@ -97,7 +97,7 @@ def learn_upswing(
     end_state: tuple[float, float] | None,
     **options: Any,
 ) -> None:
-    r"""Learn to swing a pendulum up.
+    """Learn to swing a pendulum up.
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from drake_viapoint import __version__
-from drake_viapoint.cli.ending import interruptible, run
+from drake_viapoint.cli.ending import importing, interruptible, run
 from drake_viapoint.cli.learn import learn
 
 _EXISTING = click.Path(path_type=Path)
@@ -41,7 +41,8 @@ def replay(run: Path, trial: int | None, html: Path) -> None:
       drake-viapoint replay runs/first --trial 1 --html first.html
       drake-viapoint replay runs/first --html last.html
     """
-    from drake_viapoint.reproduction.recording import record_trial
+    with importing():
+        from drake_viapoint.reproduction.recording import record_trial
 
     number = record_trial(run, trial, html)
     click.echo(f"trial {number} of {run} is in {html}")
@@ -78,7 +79,8 @@ def extract(
       drake-viapoint extract reach.trc --marker fingertip --threshold 0.005
       drake-viapoint extract serve.c3d --body RWRA RWRB RFIN --start 1.2 --end 2.4 --number 8
     """
-    from drake_viapoint.reproduction.marker_file import extract_from_file
+    with importing():
+        from drake_viapoint.reproduction.marker_file import extract_from_file
 
     if marker is not None and body is not None:
         raise click.UsageError("give either --marker or --body")
@@ -111,8 +113,9 @@ def demonstrate(task: str, person: int, out: Path) -> None:
       drake-viapoint demonstrate serve --person 3 --out person3.c3d
       drake-viapoint demonstrate upswing --person 3 --out person3.c3d
     """
-    from drake_viapoint.demonstration.c3d import write_c3d
-    from drake_viapoint.tasks import catalogue
+    with importing():
+        from drake_viapoint.demonstration.c3d import write_c3d
+        from drake_viapoint.tasks import catalogue
 
     write_c3d(out, catalogue.TASKS[task].recorded_person(person))
     click.echo(f"synthetic {task} of virtual person {person} in {out}")
@@ -128,8 +131,9 @@ def scenario(task: str) -> None:
       drake-viapoint scenario serve > my_serve.yaml
       drake-viapoint scenario upswing > my_upswing.yaml
     """
-    from drake_viapoint.tasks.catalogue import task_scenario
-    from drake_viapoint.tasks.scenario import dump_scenario
+    with importing():
+        from drake_viapoint.tasks.catalogue import task_scenario
+        from drake_viapoint.tasks.scenario import dump_scenario
 
     click.echo(dump_scenario(task_scenario(task)), nl=False)
 
@@ -159,7 +163,8 @@ def reproduce(out: Path, only: str | None, persons: int, upswing_persons: int) -
       drake-viapoint reproduce --out results
       drake-viapoint reproduce --out results --only upswing --upswing-persons 20
     """
-    from drake_viapoint.reproduction.reproduce import reproduce as reproduce_all
+    with importing():
+        from drake_viapoint.reproduction.reproduce import reproduce as reproduce_all
 
     def progress(label: str, total: int) -> Any:
         return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)

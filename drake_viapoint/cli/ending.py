@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -53,6 +54,22 @@ def interruptible(how_to_go_on: Callable[[], str]) -> Iterator[None]:
         yield
     except KeyboardInterrupt as error:
         raise _Interrupted(how_to_go_on()) from error
+
+
+@contextmanager
+def importing() -> Iterator[None]:
+    """Let Ctrl-C wait until modules are imported.
+
+    Drake's turn an interruption of their import into an ImportError, or swallow it.
+    """
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 class _Interrupted(click.ClickException):

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from drake_viapoint.cli.ending import LEARNED, NOT_LEARNED, interruptible
+from drake_viapoint.cli.ending import LEARNED, NOT_LEARNED, importing, interruptible
 from drake_viapoint.errors import LearningError, OutcomeNotFiniteError
 
 if TYPE_CHECKING:
     from drake_viapoint.runs.run_folder import RunFolder
+
     from drake_viapoint.tasks.trial import Task, Trial
 
 F = TypeVar("F", bound=Callable[..., None])
@@ -133,8 +134,9 @@ def _learn(
     resume: bool,
 ) -> int:
     """Learn with the changes that are not None; returns the exit code."""
-    from drake_viapoint.runs import task_run
-    from drake_viapoint.tasks.catalogue import build_task, task_scenario
+    with importing():
+        from drake_viapoint.runs import task_run
+        from drake_viapoint.tasks.catalogue import build_task, task_scenario
 
     if demonstration is not None:
         if person is not None:
@@ -170,7 +172,8 @@ def _learn(
 def _trials(
     out: Path, folder: RunFolder, task: Task, seed: int, max_trials: int, go_on: str
 ) -> int:
-    from drake_viapoint.runs.learning_run import learn as learn_task
+    with importing():
+        from drake_viapoint.runs.learning_run import learn as learn_task
 
     def report(record: dict[str, Any], trial: Trial) -> None:
         mark = "*" if record["success"] else " "

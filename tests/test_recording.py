@@ -6,6 +6,8 @@ import base64
 import json
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
@@ -281,3 +283,28 @@ def test_a_hand_out_of_reach_leaves_the_arm_behind(
     np.testing.assert_array_equal(pictures.hinge[within], pictures.axle[within])
     rod = np.linalg.norm(pictures.tip - pictures.hinge, axis=1)
     np.testing.assert_allclose(rod, task.scenario.pendulum.length, atol=1e-9)
+
+
+def test_a_recording_leaves_nothing_that_another_thread_could_stumble_over(
+    runs: dict[str, Path], tmp_path: Path
+) -> None:
+    """Drake stops the process when a Meshcat ends in another thread than it began in."""
+    program = (
+        "import gc, sys, threading\n"
+        "from pathlib import Path\n"
+        "gc.disable()\n"
+        "from drake_viapoint.reproduction.recording import record_trial\n"
+        "record_trial(Path(sys.argv[1]), 1, Path(sys.argv[2]))\n"
+        "collector = threading.Thread(target=gc.collect)\n"
+        "collector.start()\n"
+        "collector.join()\n"
+    )
+    page = tmp_path / "page.html"
+    done = subprocess.run(
+        [sys.executable, "-c", program, runs["recurrence"], page],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert page.stat().st_size > 1e6

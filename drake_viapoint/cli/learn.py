@@ -14,7 +14,6 @@ from drake_viapoint.errors import LearningError, OutcomeNotFiniteError
 
 if TYPE_CHECKING:
     from drake_viapoint.runs.run_folder import RunFolder
-
     from drake_viapoint.tasks.trial import Task, Trial
 
 F = TypeVar("F", bound=Callable[..., None])

@@ -35,7 +35,7 @@ def draw(scene: UpswingScene, length: float) -> Figure:
         ax.plot([hand[across], tip[across]], [hand[2], tip[2]], color=TIP, lw=2, label="pendulum")
         ax.plot(tip[across], tip[2], "o", color=TIP, ms=9)
         ax.plot(hand[across], hand[2], "s", color=OURS, ms=6, label="hand, at $x$")
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_aspect("equal", adjustable="box")
         ax.set_xlabel(f"{name} [m]")
         ax.set_ylabel("z [m]")
     front.set_title("from the front", fontsize=10)
@@ -64,4 +64,3 @@ def _draw_angle(ax: Axes, hand: NDArray[np.float64], length: float) -> None:
         hand[2] + 0.5 * length * np.cos(_ANGLE),
     )
     ax.annotate("$l$", middle_of_rod, xytext=(-12, -12), textcoords="offset points", fontsize=12)
-    ax.set_xlim(-0.6, 0.6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,9 @@ def record_trial(run: Path, number: int | None, html: Path) -> int:
     if isinstance(trial, RefusedTrial):
         raise RunFolderError(run, f"trial {chosen} was not executed: {trial.reason}")
     text = PAGES[scenario.task](scenario, trial, via_points)
+    # Meshcat has to end in the thread it began in, or Drake stops the process; left to itself it
+    # ends wherever garbage happens to be collected
+    gc.collect()
     try:
         html.write_text(text, encoding="utf-8")
     except OSError as error:

@@ -38,6 +38,7 @@ def test_everything_into_one_folder(results: tuple[Path, list[str], Bars]) -> No
     records = read_trials(out / "upswing_recorded")
     assert len(records) == 60
     first = next(record["trial"] for record in records if record["success"])
+    assert "in the plant: inverted" in said[3]
     assert f"estimated from the last trials: first succeeds at trial {first}, " in said[2]
 
 

@@ -22,7 +22,7 @@ def draw(scene: UpswingScene, length: float) -> Figure:
         length: Of the pendulum [m].
     """
     figure = Figure(figsize=(9, 4.6), layout="constrained")
-    front, side = figure.subplots(1, 2, sharey=True)
+    front, side = figure.subplots(1, 2, sharey=True, width_ratios=[2.2, 1])  # one scale for both
     joints = scene.arm.joint_positions(scene.line.posture(_PLACE))
     hand = joints[-1]
     tip = hand + length * np.array([-np.sin(_ANGLE), 0.0, np.cos(_ANGLE)])

@@ -14,8 +14,8 @@ from drake_viapoint.reproduction.figure13 import TITLES
 from drake_viapoint.reproduction.upswing_study import MAX_TRIALS, PersonRun, WayResult
 
 EXECUTION_TITLES = {
-    "recurrence": "the paper's equation",
-    "plant": "Drake's plant, hand as commanded",
+    "recurrence": "the paper's equation, steps of 1/60 s",
+    "plant": "Drake's plant, continuous time, hand as commanded",
 }
 _COLOURS = {"fixed": "tab:red", "manual": "tab:orange", "recorded": "tab:blue"}
 _SMALLEST, _LARGEST = 1e-2, 1e2  # of the error shown, in tolerances

@@ -63,6 +63,7 @@ def reproduce_upswing(out: Path, persons: int, progress: Progress) -> list[str]:
             bar.update(1)
     lines = [_first_success(way, lines) for way, lines in records.items()]
     lines += [
+        _in_the_plant(task, records["recorded"][-1]),
         f"figures in {out}/figure11.png to figure14.png",
         "recordings in " + ", ".join(str(page) for _, page in recordings),
     ]
@@ -101,6 +102,21 @@ def _first_success(way: str, records: list[dict[str, Any]]) -> str:
     good = [record["trial"] for record in records if record["success"]]
     first = f"first succeeds at trial {good[0]}" if good else "does not succeed"
     return f"upswing, {figure13.TITLES[way]}: {first}, {len(good)} of {len(records)} trials succeed"
+
+
+def _in_the_plant(task: UpswingTask, record: dict[str, Any]) -> str:
+    """How far apart the two executions end, at what was learned."""
+    changes = {"execution": "plant"}
+    plant = UpswingTask(task_scenario("upswing", None, changes), task.watched)
+    via_points = recorded_via_points(record, task.via_points.names)
+    trial = plant.execute(via_points, record["seed"])
+    if not isinstance(trial, UpswingTrial):
+        return f"the last of these in the plant: {trial.reason}"
+    angle, speed = trial.end_state - record["T"]
+    return (
+        f"the last of these in the plant: {trial.summary()}; {angle:+.3f} rad and {speed:+.2f} "
+        "rad/s from the paper's equation, whose steps are of first order"
+    )
 
 
 def _study(out: Path, persons: int, progress: Progress) -> list[str]:

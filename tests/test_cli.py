@@ -617,7 +617,7 @@ def test_extract_from_a_real_serve(
 # ---------------------------------------------------------------------------------------- help
 
 COMMANDS = [["learn", "serve"], ["learn", "upswing"], ["replay"], ["extract"], ["demonstrate"]]
-COMMANDS += [["scenario"], ["reproduce"]]
+COMMANDS += [["components"], ["scenario"], ["reproduce"]]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -790,3 +790,11 @@ def test_a_trial_without_numbers(
     records = read_trials(tmp_path / "run")
     assert records[4]["outcome"] == "failed"
     assert records[5]["via_points"] == records[4]["via_points"]
+
+
+def test_components_of_a_run(command: Callable[..., Answer], run: Path, tmp_path: Path) -> None:
+    line = ("components", run, "--out", tmp_path / "found")
+    for bad in (("--position", "0"), ("--angle", "-1")):
+        command(*line, *bad).refuses("must be positive")
+    command("components", tmp_path, "--out", tmp_path / "found").refuses("holds no run")
+    assert not (tmp_path / "found").exists()

@@ -226,7 +226,8 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
     names = {path.name for path in out.iterdir()}
     pages = {name for name in names if name.endswith(".html")}
     assert names - pages == {
-        *(f"figure{number}.png" for number in range(2, 8)),
+        *(f"figure{number}.png" for number in (*range(2, 8), 9)),
+        *(f"components_{name}.csv" for name in ("throw", "strike_norm", "strike_ratio")),
         "persons", "persons.csv", "persons.png", "serve",
     }  # fmt: skip
     assert len(pages) == 3
@@ -244,5 +245,5 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
 
     lines_of = [out / "serve" / TRIALS, out / "persons" / "person00" / TRIALS]
     stamps = [path.stat().st_mtime_ns for path in lines_of]
-    assert reproduce_serve(out, 0, bars) == said[:3]
+    assert reproduce_serve(out, 0, bars) == said[:8]
     assert [path.stat().st_mtime_ns for path in lines_of] == stamps

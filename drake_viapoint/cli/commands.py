@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -119,6 +120,34 @@ def demonstrate(task: str, person: int, out: Path) -> None:
 
     write_c3d(out, catalogue.TASKS[task].recorded_person(person))
     click.echo(f"synthetic {task} of virtual person {person} in {out}")
+
+
+@cli.command()
+@click.argument("run", type=_EXISTING)
+@click.option("--out", required=True, type=_EXISTING, help="Folder of the picture and tables.")
+@click.option(
+    "--position", type=float, default=0.05, show_default=True, help="Moved by so much [m]."
+)
+@click.option(
+    "--angle", type=float, default=5.0, show_default=True, help="Turned by so much [deg]."
+)
+def components(run: Path, out: Path, position: float, angle: float) -> None:
+    """Find which via-point components move the ball in a run of the serve (our Fig. 9).
+
+    \b
+    Examples:
+      drake-viapoint components runs/first --out components
+      drake-viapoint components runs/first --out components --position 0.01 --angle 1
+    """
+    if not (position > 0 and angle > 0):
+        raise click.UsageError("--position and --angle must be positive")
+    with importing():
+        from drake_viapoint.reproduction.components import study_components
+
+    with interruptible(lambda: "interrupted; nothing was written"):
+        lines = study_components(run, out, position=position, angle=math.radians(angle))
+    for line in lines:
+        click.echo(line)
 
 
 @cli.command()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_viapoint.reproduction import (
+    components,
     figure2,
     figure3,
     figure4,
@@ -75,6 +76,9 @@ def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> li
         f"figures in {out}/figure2.png to figure7.png",
         "recordings in " + ", ".join(str(page) for _, page in recordings),
     ]
+    if components.first_meeting(records, scenario.learning.throw.reached):
+        with progress("moving each component", components.trials_of(task)) as bar:
+            lines += components.study_components(run, out, on_trial=lambda: bar.update(1))
     if number_of_persons:
         with progress("learning from virtual persons", number_of_persons) as bar:
             results = persons.study_persons(

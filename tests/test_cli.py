@@ -617,7 +617,7 @@ def test_extract_from_a_real_serve(
 # ---------------------------------------------------------------------------------------- help
 
 COMMANDS = [["learn", "serve"], ["learn", "upswing"], ["replay"], ["extract"], ["demonstrate"]]
-COMMANDS += [["components"], ["scenario"], ["reproduce"]]
+COMMANDS += [["components"], ["choices"], ["scenario"], ["reproduce"]]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)

@@ -151,6 +151,32 @@ def components(run: Path, out: Path, position: float, angle: float) -> None:
 
 
 @cli.command()
+@click.option("--out", required=True, type=_EXISTING, help="Folder of the table.")
+@click.option("--persons", type=click.IntRange(1), default=20, show_default=True)
+def choices(out: Path, persons: int) -> None:
+    """Learn many persons' serves with components chosen by norm and by ratio (section 2.2.2).
+
+    \b
+    Example:
+      drake-viapoint choices --out results/choices --persons 20
+    """
+    with importing():
+        from drake_viapoint.reproduction.choices import choices_summary, study_choices
+        from drake_viapoint.reproduction.table import write_table
+
+    label = f"{'learning with each choice':<32}"
+    with (
+        interruptible(lambda: "interrupted; the same command goes on from here"),
+        click.progressbar(length=persons, label=label, show_eta=True) as bar,
+    ):
+        results = study_choices(out / "choices.jsonl", persons, on_person=bar.update)
+    for line in choices_summary(results):
+        click.echo(line)
+    if results:
+        click.echo(f"table in {write_table(results, out / 'choices.csv')}")
+
+
+@cli.command()
 @_TASK
 def scenario(task: str) -> None:
     """Print a task's scenario with every value, to be edited and given with --scenario.

@@ -37,9 +37,10 @@ class StudyLog:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file: IO[bytes] = path.open("a+b")
             self._file.seek(0)
-            lines = self._file.read().split(b"\n")
-            whole = self._read(lines[:-1], study)
-            self._file.truncate(whole)
+            content = self._file.read()
+            whole = self._read(content.split(b"\n")[:-1], study)
+            if len(content) > whole:
+                self._file.truncate(whole)
             if not whole:
                 self._write({"study": study})
         except OSError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -187,7 +188,7 @@ def test_a_fourth_way_is_one_small_class() -> None:
 
     @dataclass(frozen=True)
     class Broyden(KeptJacobian):
-        def revised(self, jacobian, observations):  # type: ignore[no-untyped-def]
+        def revised(self, jacobian: NDArray, observations: Sequence[Observation]) -> NDArray:
             before, last = observations[-2:]
             ds, dt = last.control - before.control, before.error - last.error
             return jacobian + np.outer(dt - jacobian @ ds, ds) / max(ds @ ds, 1e-12)

@@ -198,7 +198,7 @@ def seen(
     shifts: list[tuple[str, float | None, NDArray[np.float64]]] = []
     pictures: list[tuple[Any, ...]] = []
 
-    class Watched(Meshcat):  # type: ignore[misc]
+    class Watched(Meshcat):
         def SetTransform(
             self, path: str, pose: RigidTransform, time_in_recording: float | None = None
         ) -> None:

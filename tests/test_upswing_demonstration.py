@@ -233,11 +233,18 @@ def test_with_the_end_given_no_tip_is_needed(watched: WatchedUpswing) -> None:
         assert alone.pendulum is alone.angle is alone.speed is alone.length is None
 
 
-@pytest.mark.parametrize("half", [{}, {"end_angle": 0.0}, {"end_speed": 0.0}], ids=str)
+@pytest.mark.parametrize(
+    "config",
+    [
+        UpswingDemonstration(),
+        UpswingDemonstration(end_angle=0.0),
+        UpswingDemonstration(end_speed=0.0),
+    ],
+    ids=["neither", "angle alone", "speed alone"],
+)
 def test_an_end_neither_seen_nor_given_is_an_error(
-    watched: WatchedUpswing, half: dict[str, float]
+    watched: WatchedUpswing, config: UpswingDemonstration
 ) -> None:
-    config = UpswingDemonstration(**half)  # type: ignore[arg-type]
     needed = r"end state.*not given.*'tip' is absent.*end_angle.*end_speed"
     with pytest.raises(EndStateError, match=needed) as caught:
         watch_upswing(config, without_tip(watched.recording))

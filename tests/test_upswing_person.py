@@ -1,7 +1,9 @@
 """Virtual swingers: everyone's own pendulum ends up, by its own laws, and the same every time."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,13 +90,15 @@ def test_a_reversal_is_a_turn_and_a_centimetre_back() -> None:
     assert reversals(np.array([0, 0.1, 0.095, 0.2])) == 0
 
 
-def rates(person: UpswingPerson, push: object) -> object:
+def rates(
+    person: UpswingPerson, push: Callable[[float], NDArray]
+) -> Callable[[float, NDArray], list[float]]:
     """The pendulum's equation of motion, written here once more."""
 
     def change(t: float, state: NDArray) -> list[float]:
         theta, omega = state
         drag = person.damping * omega + person.friction * np.tanh(omega / 0.05)
-        drive = float(push(t)) * np.cos(theta) / person.length  # type: ignore[operator]
+        drive = float(push(t)) * np.cos(theta) / person.length
         return [omega, GRAVITY / person.length * np.sin(theta) + drive - drag]
 
     return change
@@ -214,7 +218,7 @@ def test_what_counts_as_having_worked(
 
 
 @pytest.mark.parametrize("impossible", [{"frames": 30}, {"friction": 60.0}], ids=str)
-def test_someone_who_cannot_do_it_is_an_error(impossible: dict[str, float]) -> None:
-    person = replace(draw_person(0), **impossible)  # type: ignore[arg-type]
+def test_someone_who_cannot_do_it_is_an_error(impossible: dict[str, Any]) -> None:
+    person = replace(draw_person(0), **impossible)
     with pytest.raises(DemonstrationError, match="30 tries"):
         practise(person, np.random.default_rng(0))

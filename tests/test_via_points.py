@@ -44,7 +44,7 @@ def test_unknown_component_is_named(component: str) -> None:
 
 def test_bad_via_points_are_named() -> None:
     with pytest.raises(ViaPointsError, match="via-point 3 is at 1 s"):
-        ViaPoints([0.0, 1.0, 1.0], np.zeros((3, 1)), ("x",))  # type: ignore[arg-type]
+        ViaPoints(np.array([0.0, 1.0, 1.0]), np.zeros((3, 1)), ("x",))
     with pytest.raises(ViaPointsError, match="via-point 2 is not finite"):
         ViaPoints(np.arange(2.0), np.array([[0.0], [np.nan]]), ("x",))
     with pytest.raises(ViaPointsError, match="at least 2"):

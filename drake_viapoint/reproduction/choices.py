@@ -35,7 +35,7 @@ class PersonChoice:
     Attributes:
         person: Number of the virtual person.
         as_given: Trial at which it was learned with the scenario's; None if not.
-        norm: Components chosen by norm.
+        norm: Components chosen by norm; empty if there was nothing to choose from.
         by_norm: Trial at which it was learned with them.
         ratio: Components chosen by ratio.
         by_ratio: Trial at which it was learned with them.
@@ -58,7 +58,8 @@ def study_choices(
 ) -> list[PersonChoice]:
     """Learn the serve from persons 0 to ``persons`` - 1, with each choice.
 
-    Persons in the file already are not done again; a person whose ball is never met is left out.
+    Persons in the file already are not done again. Where the ball is never met nothing can be
+    chosen, and the serve counts as not learned.
 
     Args:
         file: Where results are kept, a line a person.
@@ -86,7 +87,7 @@ def study_choices(
             log.append(row)
             told(1)
         rows = sorted(log.rows, key=lambda row: int(row["person"]))
-    return [PersonChoice(**row) for row in rows if row["person"] < persons and row["norm"]]
+    return [PersonChoice(**row) for row in rows if row["person"] < persons]
 
 
 def choices_summary(results: list[PersonChoice]) -> list[str]:

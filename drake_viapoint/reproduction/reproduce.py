@@ -8,9 +8,6 @@ from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
 from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
 
-TASKS = ("serve", "upswing")
-"""What can be reproduced by itself."""
-
 
 def reproduce(
     out: Path, serve_persons: int, upswing_persons: int, progress: Progress, only: str | None = None
@@ -24,7 +21,7 @@ def reproduce(
         serve_persons: Virtual persons from whom the serve is learned; no study if 0.
         upswing_persons: The same for the upswing.
         progress: Shows what goes on.
-        only: One of ``TASKS``; both if None.
+        only: "serve" or "upswing"; both if None.
 
     Returns:
         Lines that say what was found and where it is.

@@ -77,6 +77,16 @@ def test_a_restarted_pair_keeps_its_size() -> None:
     np.testing.assert_allclose(explored.jacobian, [[10.0]])
 
 
+def test_wasted_trials_are_counted_where_a_pair_starts_again() -> None:
+    explored = exploration((0.04, 0.04))
+    assert explored.shrink() == 1  # the trial up itself
+    explored.record(np.array([1.0]))
+    assert explored.restart() == 2  # down, and the one up it was to be compared with
+    assert explored.restart() == 1
+    explored.record(np.array([1.0]))
+    assert explored.shrink() == 2
+
+
 def test_what_no_perturbation_reaches_is_an_error_that_names_it() -> None:
     explored = exploration((0.01, 0.016))
     explored.record(np.zeros(1))

@@ -323,6 +323,19 @@ def test_a_trial_beyond_the_gate_serves_the_throw_and_the_pair_starts_again() ->
     )
 
 
+def test_wasted_trials_are_those_no_jacobian_was_made_of() -> None:
+    world = random_world(10)
+    learner = at_the_strike(world)
+    assert learner.wasted == 0
+    begun = learner.trials
+    for d in (0.0, 0.2, 0.2):  # up; down and up again beyond the gate
+        learner.tell(beyond_the_gate(world(learner.ask()), d))
+    assert learner.wasted == 3
+    while learner.ask().purpose is Purpose.EXPLORATION:
+        learner.tell(beyond_the_gate(world(learner.ask()), 0.0))
+    assert learner.trials - begun == 2 * len(STRIKE.control) + learner.wasted
+
+
 def test_at_the_gate_itself_a_trial_is_beyond_it() -> None:
     for d, counts in ((0.1, False), (0.0999, True)):
         world = random_world(11)

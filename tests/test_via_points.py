@@ -31,6 +31,17 @@ def test_moving_changes_one_component_and_nothing_else(column: int, change: floa
     assert moved.select([points.components[column]])[0] == points.values.ravel()[column] + change
 
 
+def test_equal_to_the_last_bit() -> None:
+    points = eight()
+    assert points == eight()
+    assert points == points.moved(["x3"], [0.0])
+    assert points != points.moved(["x3"], [1e-14])
+    assert points != ViaPoints(points.times + 1e-14, points.values, NAMES)
+    assert points != ViaPoints(points.times, points.values, NAMES[::-1])
+    assert points != "x3"
+    assert len({points, eight(), points.moved(["x3"], [1.0])}) == 2
+
+
 def test_values_cannot_be_changed_in_place() -> None:
     with pytest.raises(ValueError, match="read-only"):
         eight().values[0, 0] = 1.0

@@ -61,16 +61,26 @@ class Exploration:
             self._compared = None
         self._halvings = 0
 
-    def restart(self) -> None:
-        """Forget what the next trial was to be compared with: the point explored around moved."""
-        self._compared = None
+    def restart(self) -> int:
+        """Forget what the next trial was to be compared with: the point explored around moved.
 
-    def shrink(self) -> None:
+        Returns:
+            How many trials that wastes: the last one, and the one it was compared with.
+        """
+        wasted = 1 + self._pair_begun
+        self._compared = None
+        return wasted
+
+    def shrink(self) -> int:
         """Start the component again at half the size.
+
+        Returns:
+            How many trials that wastes, as above.
 
         Raises:
             LearningError: The perturbation has been halved too often.
         """
+        wasted = 1 + self._pair_begun
         self._halvings += 1
         if not self._subtask.one_sided:
             self._compared = None
@@ -80,6 +90,12 @@ class Exploration:
                 f"no slope of {self._subtask.task_variable} along {component}: even a "
                 f"perturbation of {2 * self._size:g} does not reach it"
             )
+        return wasted
+
+    @property
+    def _pair_begun(self) -> bool:
+        """Whether the trial up of a pair has been made; one-sided differences come in no pairs."""
+        return self._compared is not None and not self._subtask.one_sided
 
     @property
     def _size(self) -> float:

@@ -77,12 +77,18 @@ class Learner:
         self._learned_at: int | None = None
         self._repeats_left = repeats
         self._trials = 0
+        self._wasted = 0
         self._proposal: Proposal | None = None
 
     @property
     def trials(self) -> int:
         """Trials told so far, exploration included."""
         return self._trials
+
+    @property
+    def wasted(self) -> int:
+        """Exploration trials of which no Jacobian was made, as far as that is known."""
+        return self._wasted
 
     @property
     def learned_at(self) -> int | None:
@@ -178,9 +184,9 @@ class Learner:
         served = self._served_by(errors)
         error = errors[served]
         if error is None:  # its perturbation loses what even the preceding subtask needs
-            exploration.shrink()
+            self._wasted += exploration.shrink()
         elif served < self._active:
-            exploration.restart()
+            self._wasted += exploration.restart()
             self._step(served, errors)
             for known in self._progress:
                 known.error = None  # nothing has been executed at the new via-points

@@ -19,7 +19,7 @@ from drake_viapoint.errors import ViaPointsError
 _COMPONENT = re.compile(r"(?P<name>[A-Za-z_]+)(?P<number>\d+)")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ViaPoints:
     """Times and values of n via-points in d dimensions.
 
@@ -90,3 +90,16 @@ class ViaPoints:
         values = self.values.copy().ravel()
         np.add.at(values, [self.column(name) for name in components], np.asarray(change))
         return replace(self, values=values.reshape(self.values.shape))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other is the same movement, to the last bit."""
+        if not isinstance(other, ViaPoints):
+            return NotImplemented
+        return (
+            self.names == other.names
+            and np.array_equal(self.times, other.times)
+            and np.array_equal(self.values, other.values)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.names, self.values.shape))

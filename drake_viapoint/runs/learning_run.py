@@ -41,10 +41,14 @@ class RunResult:
     Attributes:
         trials: Trials executed, repeats included.
         learned_at: The trial that completed the successes in a row; None if not learned.
+        wasted: Exploration trials of which no Jacobian was made.
+        via_points: What was learned; what would be executed next if it was not.
     """
 
     trials: int
     learned_at: int | None
+    wasted: int
+    via_points: ViaPoints
 
 
 def learn(
@@ -98,7 +102,7 @@ def learn(
         if on_trial is not None:
             on_trial(record, trial)
         learner.tell(task.outcome(record))
-    return RunResult(learner.trials, learner.learned_at)
+    return RunResult(learner.trials, learner.learned_at, learner.wasted, learner.via_points)
 
 
 def trial_seed(seed: int, trial: int) -> int:
@@ -127,9 +131,7 @@ def _tell_again(learner: Learner, task: Task, path: Path, record: dict[str, Any]
         recorded = recorded_via_points(record, proposal.via_points.names)
     except (LookupError, TypeError, ValueError, ViaPointsError) as error:
         raise damaged from error
-    same = np.array_equal(recorded.times, proposal.via_points.times) and np.array_equal(
-        recorded.values, proposal.via_points.values
-    )
+    same = recorded == proposal.via_points
     if not same or (record["purpose"], record["subtask"]) != (proposal.purpose, proposal.subtask):
         raise RunFolderError(
             path,

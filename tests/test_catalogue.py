@@ -4,10 +4,19 @@ from pathlib import Path
 
 import pytest
 
-from drake_viapoint.errors import ScenarioError
+from drake_viapoint.errors import ScenarioError, ViapointError
 from drake_viapoint.packages import resolve
-from drake_viapoint.tasks.catalogue import TASKS, build_task, scenario_in, task_scenario
+from drake_viapoint.tasks.catalogue import (
+    TASKS,
+    TaskBuilder,
+    build_task,
+    scenario_in,
+    task_scenario,
+)
 from drake_viapoint.tasks.scenario import dump_scenario, load_scenario
+from drake_viapoint.tasks.upswing import UpswingTask
+from drake_viapoint.tasks.upswing_scene import UpswingScene
+from drake_viapoint.tasks.upswing_tracked import TrackedExecution
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -40,6 +49,47 @@ def test_a_task_offers_what_a_run_asks_for(name: str) -> None:
     for subtask in task.subtasks:
         assert outcome.error(subtask.task_variable) is not None
     assert trial.summary()
+
+
+def test_a_builder_uses_scene_and_demonstration_again_where_they_are_the_same() -> None:
+    builder = TaskBuilder()
+    plant = {"execution": "plant", "hand": "tracked"}
+
+    def build(**changes: object) -> UpswingTask:
+        named = {key.replace("__", "."): value for key, value in changes.items()}
+        task = builder.build(task_scenario("upswing", None, {**plant, **named}))
+        assert isinstance(task, UpswingTask)
+        return task
+
+    def scene_of(task: UpswingTask) -> UpswingScene:
+        assert isinstance(task.execution, TrackedExecution)
+        return task.execution.scene
+
+    first = build()
+    assert build(seed=3, learning__jacobian__way="fixed").watched is first.watched
+    other = build(demonstration__person=3)
+    assert other.watched is not first.watched
+    assert scene_of(other) is scene_of(first)
+    assert scene_of(build(pendulum__length=0.36)) is not scene_of(first)
+
+
+def test_a_built_task_is_the_one_made_alone() -> None:
+    builder = TaskBuilder()
+    for changes in ({}, {"demonstration.person": 3}, {"seed": 2, "demonstration.person": 3}):
+        scenario = task_scenario("serve", None, changes)
+        built, alone = builder.build(scenario), build_task(scenario)
+        assert built.via_points == alone.via_points
+        moved = built.via_points.moved(["z3"], [0.005])
+        assert built.execute(moved, 5).record() == alone.execute(moved, 5).record()
+
+
+def test_a_builder_goes_on_after_a_demonstration_that_could_not_be_read(tmp_path: Path) -> None:
+    builder = TaskBuilder()
+    missing = {"demonstration.file": str(tmp_path / "none.c3d")}
+    for _ in range(2):
+        with pytest.raises(ViapointError, match=r"none.c3d"):
+            builder.build(task_scenario("upswing", None, missing))
+    assert builder.build(task_scenario("upswing")).via_points.times.size == 8
 
 
 def test_changes_go_by_their_full_keys() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from drake_viapoint.errors import ScenarioError, UnreachableError
 from drake_viapoint.learning.ask_tell import Outcome
@@ -10,11 +10,12 @@ from drake_viapoint.learning.gain import ConstantGain, TaperedGain
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics
-from drake_viapoint.robot.retargeting import Retargeting
-from drake_viapoint.tasks.serve_demonstration import recorded_serve, watch_serve
+from drake_viapoint.robot.retargeting import JointMovement, Retargeting
+from drake_viapoint.tasks.serve_demonstration import WatchedServe, recorded_serve, watch_serve
 from drake_viapoint.tasks.serve_event import EventExecution
 from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
+from drake_viapoint.tasks.serve_swing import Swing
 from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial, serve_outcome
 from drake_viapoint.tasks.trial import RefusedTrial
 
@@ -24,6 +25,8 @@ class ServeTask:
 
     Args:
         scenario: Everything it depends on.
+        watched: The demonstration, if it has been watched already.
+        scene: The diagram, if it has been built already.
 
     Attributes:
         watched: The demonstration.
@@ -34,12 +37,18 @@ class ServeTask:
 
     name = "serve"
 
-    def __init__(self, scenario: ServeScenario) -> None:
+    def __init__(
+        self,
+        scenario: ServeScenario,
+        watched: WatchedServe | None = None,
+        scene: ServeScene | None = None,
+    ) -> None:
         scenario.validate()
         self.scenario = scenario
-        self.scene = ServeScene(scenario)
-        recording = recorded_serve(scenario.demonstration, self.scene.ring)
-        self.watched = watch_serve(scenario.demonstration, recording)
+        self.scene = scene or ServeScene(scenario)
+        self.watched = watched or watch_serve(
+            scenario.demonstration, recorded_serve(scenario.demonstration, self.scene.ring)
+        )
         self.via_points: ViaPoints = self.watched.extraction.via_points
         end = float(self.via_points.times[-1])
         if not 0 < self.watched.hit_time < end:
@@ -59,22 +68,39 @@ class ServeTask:
             rotation_threshold=scenario.robot.rotation_threshold,
         )
         self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
+        self._last: _Swung | None = None
 
     def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial | RefusedTrial:
         """Execute one serve; refused if the arm cannot follow these via-points.
 
-        Nothing is drawn at random in ``event`` execution.
+        The seed is that of the ball's disturbance.
         """
-        del seed
         try:
-            movement = self.retargeting(via_points)
+            swung = self._swung(via_points)
         except UnreachableError as error:
             return RefusedTrial(str(error), ("d", THROW, STRIKE))
-        return self.execution.execute(movement)
+        return self.execution.follow(swung.movement, swung.swing, seed)
 
     def outcome(self, record: dict[str, Any]) -> Outcome:
         """What the learner is told of a recorded serve."""
         return serve_outcome(record)
+
+    def _swung(self, via_points: ViaPoints) -> _Swung:
+        """What the arm does; it does the same for the same via-points, so not again in repeats."""
+        last = self._last
+        if last is None or last.via_points != via_points:
+            movement = self.retargeting(via_points)
+            last = _Swung(via_points, movement, self.execution.swing(movement))
+            self._last = last
+        return last
+
+
+class _Swung(NamedTuple):
+    """What the arm did last."""
+
+    via_points: ViaPoints
+    movement: JointMovement
+    swing: Swing
 
 
 def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline
 
 from drake_viapoint.robot.arm import Arm
 from drake_viapoint.robot.arm_motion import ArmMotion
 from drake_viapoint.robot.retargeting import JointMovement
+from drake_viapoint.tasks.disturbance import Disturbance
 from drake_viapoint.tasks.flight import Flight, drag_per_metre, fly
 from drake_viapoint.tasks.racket import Face, RacketStates
 from drake_viapoint.tasks.serve_scenario import ServeScenario
@@ -63,18 +63,24 @@ class EventExecution:
         ball = scenario.ball
         self._radius, self._restitution = ball.radius, ball.restitution
         self._drag = drag_per_metre(ball.drag_coefficient, ball.radius, ball.mass)
+        self._disturbance = Disturbance(scenario.disturbance.release, scenario.disturbance.bounce)
         self._face = Face(scenario.robot.half_width, scenario.robot.half_length)
         learning = scenario.learning
         self._tolerances = learning.meeting_tolerance, learning.landing_tolerance
 
-    def execute(self, movement: JointMovement) -> ServeTrial:
-        """Simulate a serve and follow the ball."""
-        return self._follow(movement.trajectory, self._swing(movement))
+    def execute(self, movement: JointMovement, seed: int = 0) -> ServeTrial:
+        """Simulate a serve and follow the ball; the seed is that of its disturbance."""
+        return self.follow(movement, self.swing(movement), seed)
 
-    def _follow(self, desired: BSpline[np.float64], swing: Swing) -> ServeTrial:
-        """What becomes of the ball while the arm swings."""
+    def swing(self, movement: JointMovement) -> Swing:
+        """Move the arm up to the ball's release and on. No disturbance changes this."""
+        return self._swing(movement)
+
+    def follow(self, movement: JointMovement, swing: Swing, seed: int) -> ServeTrial:
+        """What becomes of the ball while the arm swings through a movement."""
         scene = self._scene
         motion, release, clamped = swing
+        disturbed = self._disturbance.draw(seed)
         racket = HeldRacket(scene.arm, motion)
         events: list[BallEvent] = []
         flights: list[Flight] = []
@@ -82,15 +88,15 @@ class EventExecution:
         landed: float | None = None
         if release is not None:
             carried = scene.cup.ball(racket, [release])
-            flights.append(fly(release, carried.position[0], carried.velocity[0], self._drag))
+            velocity = carried.velocity[0] * disturbed.release
+            flights.append(fly(release, carried.position[0], velocity, self._drag))
             events.append(_event("release", release, flights[-1], racket))
             met = first_encounter(flights[0], racket, self._face, self._radius)
         if met is not None and met.from_behind:
             events.append(_event("caught_behind", met.time, flights[0], racket))
         elif met is not None:
-            flights.append(
-                strike(flights[0], racket, met.time, self._radius, self._restitution, self._drag)
-            )
+            ball = self._radius, self._restitution, self._drag
+            flights.append(strike(flights[0], racket, met.time, *ball, disturbed.bounce))
             events.append(_event("hit", met.time, flights[-1], racket))
             landed = flights[-1].fall_through(float(scene.ring[2]))
             if landed is not None:
@@ -119,7 +125,8 @@ class EventExecution:
             success=bool(near and inside),
             saturated=scene.arm.named(clamped),
             beyond_limits=scene.arm.named(motion.beyond(scene.arm.limits)),
-            tracking_error=motion.strayed(desired),
+            tracking_error=motion.strayed(movement.trajectory),
+            disturbed=disturbed,
             motion=motion,
             carried=lambda t: scene.cup.ball(racket, t).position,
             flights=tuple(flights),

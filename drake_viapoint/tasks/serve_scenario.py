@@ -74,6 +74,20 @@ class ServeBall:
 
 
 @dataclass
+class ServeDisturbance:
+    """What differs from trial to trial whatever the arm does; nothing by default.
+
+    Section 3.2 disturbs release and bounce by 3 %.
+    """
+
+    release: float = 0.0
+    """Each component of the ball's velocity as it leaves the cup is scaled by a factor of its own,
+    drawn evenly from 1 - this to 1 + this."""
+    bounce: float = 0.0
+    """The same as it leaves the face."""
+
+
+@dataclass
 class ThrowLearning:
     """Subtask 1: throw the ball so that the face's centre meets it (section 2.1.2)."""
 
@@ -133,6 +147,7 @@ class ServeScenario:
     """Model directives of arm, racket, ball and goal; the goal's centre is the frame `ring`."""
     ring_frame: str = "ring"
     ball: ServeBall = field(default_factory=ServeBall)
+    disturbance: ServeDisturbance = field(default_factory=ServeDisturbance)
     learning: ServeLearning = field(default_factory=ServeLearning)
     execution: str = "event"
     plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
@@ -160,6 +175,9 @@ class ServeScenario:
         restitution, drag = self.ball.restitution, self.ball.drag_coefficient
         require(0 < restitution <= 1, "ball.restitution", restitution, "must be in (0, 1]")
         require(0 <= drag <= 10, "ball.drag_coefficient", drag, "must be in [0, 10]")
+        for name in ("release", "bounce"):
+            share = getattr(self.disturbance, name)
+            require(0 <= share < 1, f"disturbance.{name}", share, "must be in [0, 1)")
         for name in (
             "natural_frequency",
             "position_threshold",

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.robot.arm_motion import ArmMotion
+from drake_viapoint.tasks.disturbance import VelocityFactors
 from drake_viapoint.tasks.flight import Flight
 from drake_viapoint.tasks.trial import recorded_vector
 
@@ -86,6 +87,7 @@ class ServeTrial:
         saturated: Joints whose torque was clamped at their effort.
         beyond_limits: Joints that left their range of angles or speeds at a step.
         tracking_error: Largest distance of a joint from its desired angle at a step [rad].
+        disturbed: What the disturbance made of the ball's velocity.
         motion: How the arm moved.
         carried: Centre of the ball in the cup (n, 3) [m] at times (n,) [s].
         flights: The ball's flights: thrown, struck.
@@ -102,6 +104,7 @@ class ServeTrial:
     saturated: tuple[str, ...]
     beyond_limits: tuple[str, ...]
     tracking_error: float
+    disturbed: VelocityFactors
     motion: ArmMotion
     carried: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     flights: tuple[Flight, ...]
@@ -149,6 +152,10 @@ class ServeTrial:
             "saturated": list(self.saturated),
             "beyond_limits": list(self.beyond_limits),
             "tracking_error": self.tracking_error,
+            "disturbed": {
+                "release": self.disturbed.release.tolist(),
+                "bounce": self.disturbed.bounce.tolist(),
+            },
         }
 
     def summary(self) -> str:

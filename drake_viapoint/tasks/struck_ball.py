@@ -88,11 +88,22 @@ def strike(
     radius: float,
     restitution: float,
     drag: float,
+    disturbed: NDArray[np.float64] | float = 1.0,
 ) -> Flight:
-    """The flight after the face struck the ball at ``time`` [s]."""
+    """The flight after the face struck the ball.
+
+    Args:
+        flight: Of the ball before.
+        racket: The motion of the racket.
+        time: Of the encounter [s].
+        radius: Of the ball [m].
+        restitution: Ratio of the normal relative speeds after and before.
+        drag: Deceleration over speed squared [1/m].
+        disturbed: Factors on the components of the velocity after (3,).
+    """
     state = racket([time])
     centre = flight.position(time)
     contact = centre - radius * state.normal[0]
     surface_velocity = state.point_velocity(contact[None])[0]
     after = bounce(flight.velocity(time), surface_velocity, state.normal[0], restitution)
-    return fly(time, centre, after, drag)
+    return fly(time, centre, after * disturbed, drag)

@@ -66,6 +66,7 @@ class TrackedExecution:
             via-points are needed.
 
     Attributes:
+        scene: The diagram.
         times: Times of the motions it gives, a ``time_step`` apart or a little less [s].
         retargeting: From via-points to joint movements.
 
@@ -77,7 +78,7 @@ class TrackedExecution:
     def __init__(
         self, scenario: UpswingScenario, scene: UpswingScene, times: ArrayLike, first: ArrayLike
     ) -> None:
-        self._scene = scene
+        self.scene = scene
         self._via_times = np.asarray(times, dtype=np.float64)
         self.times = sampling_times(self._via_times, scenario.time_step)
         self._hand = minimum_jerk(self._via_times, np.eye(self._via_times.size))(self.times)
@@ -110,11 +111,11 @@ class TrackedExecution:
         """
         places = check_places(x, self._via_times.size)
         self._check(places)
-        return self.retargeting(self._scene.line.via_points(self._via_times, places))
+        return self.retargeting(self.scene.line.via_points(self._via_times, places))
 
     def execute(self, movement: JointMovement, x: ArrayLike) -> CarriedUpswing:
         """Simulate a movement that should take the hand through via-points (n,) [m]."""
-        scene = self._scene
+        scene = self.scene
         scene.tracking.follow(movement.trajectory)
         steps = self._stepping.until_accepted(lambda: self._swing(movement))
         arm_motion = ArmMotion([steps.arm])
@@ -129,7 +130,7 @@ class TrackedExecution:
         )
 
     def _swing(self, movement: JointMovement) -> _Steps:
-        scene, stepping = self._scene, self._stepping
+        scene, stepping = self.scene, self._stepping
         stepping.reset(float(movement.times[0]))
         own = scene.plant.GetMyMutableContextFromRoot(stepping.context)
         scene.plant.SetPositions(own, scene.instance, movement.angles[0])
@@ -148,8 +149,8 @@ class TrackedExecution:
         self, arm_motion: ArmMotion, swung: MotionSegment, places: NDArray[np.float64]
     ) -> tuple[PendulumMotion, float]:
         """The motion as seen from the front, and how far the hand was from its places (n,)."""
-        line = self._scene.line
-        hand = arm_motion.tool(self._scene.arm, self.times)
+        line = self.scene.line
+        hand = arm_motion.tool(self.scene.arm, self.times)
         off = np.array([tool.position for tool in hand]) - line.places(places)
         turn = np.array([tool.rotation for tool in hand]) @ line.rotation.T
         spin = np.array([tool.angular_velocity for tool in hand])

@@ -86,7 +86,7 @@ def test_the_ball_leaves_the_cup_with_its_velocity_scaled(
 
 
 def test_the_struck_ball_is_disturbed_as_well(serve_task: ServeTask) -> None:
-    """With the release left alone the ball is struck as without disturbance, and leaves otherwise."""
+    """Struck as without disturbance, as its release was left alone; it leaves otherwise."""
     scenario = task_scenario("serve", None, {"disturbance.bounce": 0.03})
     task = ServeTask(scenario, serve_task.watched, serve_task.scene)
     calm, trial = serve(serve_task, 11), serve(task, 11)

@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 
 class ViapointError(Exception):
     """Root of every error this package raises on purpose; its message is one line."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """It comes back from other processes with message and data, whatever it is made of."""
+        return _as_it_was, (type(self), self.args, self.__dict__)
+
+
+def _as_it_was(kind: type[ViapointError], args: tuple[Any, ...], data: dict[str, Any]) -> Any:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(data)
+    return error
 
 
 class MarkerFileError(ViapointError):
@@ -249,3 +260,44 @@ class LineReachError(UnreachableError):
         self.at_limit = ()
         self.place = place
         self.reach = reach
+
+
+class StudyError(ViapointError):
+    """A study that makes no sense, or whose results are another study's.
+
+    Attributes:
+        path: The study's file, or what holds the results.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(" ".join(f"{path}: {reason}".split()))  # keys and values may hold anything
+        self.path = path
+
+
+class ClusterError(ViapointError):
+    """A cluster that cannot be used: no scheduler, no workers, or workers of other versions."""
+
+
+class VersionsError(ClusterError):
+    """A worker whose trials would differ in their last bits from those of who asks.
+
+    Attributes:
+        worker: The worker.
+        package: What differs.
+        theirs: The worker's version; None if it has none.
+        ours: The version of who asks.
+    """
+
+    def __init__(self, worker: str, package: str, theirs: str | None, ours: str) -> None:
+        super().__init__(
+            f"worker {worker} has {package} {theirs or 'not installed'}, this is {ours}: bits "
+            "would differ"
+        )
+        self.worker = worker
+        self.package = package
+        self.theirs = theirs
+        self.ours = ours
+
+
+class FolderHeldError(RunFolderError):
+    """A folder or file that another process is writing to."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from drake_viapoint.runs.trial_lines import as_read_back
+
 
 class MemoryLog:
     """A learning run's records, gone when the process ends.
@@ -19,9 +21,6 @@ class MemoryLog:
         self.trials: list[dict[str, Any]] = []
 
     def append(self, record: dict[str, Any]) -> dict[str, Any]:
-        """Keep a record; floats are read from a run folder with the same bits, so it is the same.
-
-        Unlike a folder's, it may hold numbers that are not finite.
-        """
-        self.trials.append(record)
-        return record
+        """Keep a record, and give it back as a run folder would, bit for bit."""
+        self.trials.append(as_read_back(record))
+        return self.trials[-1]

@@ -12,22 +12,21 @@ import fcntl
 import hashlib
 import io
 import json
-import math
 import os
+import shutil
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal
 
-from drake_viapoint.errors import RunFolderError
+from drake_viapoint.errors import FolderHeldError, RunFolderError
+from drake_viapoint.runs.trial_lines import TRIALS as TRIALS
+from drake_viapoint.runs.trial_lines import trial_line, whole_lines
 
 SCENARIO = "scenario.yaml"
-TRIALS = "trials.jsonl"
 
 _BEGINNING = ".scenario.yaml"  # becomes the scenario once it is whole
 _SEAL = "# sha256 of the lines above: "
-_KEYS = frozenset(
-    {"trial", "purpose", "subtask", "outcome", "success", "via_points", "seed"}
-)  # of every line, whatever the task; its task variables come on top
 
 
 class RunFolder:
@@ -42,7 +41,7 @@ class RunFolder:
         self.path = path
         self.scenario_file = path / SCENARIO
         self._file = file
-        self._trials, length = _whole_lines(path, file.readall())
+        self._trials, length = whole_lines(path, file.readall())
         if file.tell() > length:
             file.truncate(length)
             file.seek(length)
@@ -67,10 +66,7 @@ class RunFolder:
             file = _locked(path, "a+b")
             try:
                 _check_free(path)  # now that nobody else can begin a run here
-                with (path / _BEGINNING).open("w", encoding="utf-8") as beginning:
-                    beginning.write(scenario + _SEAL + _digest(scenario.encode()) + "\n")
-                    beginning.flush()
-                    os.fsync(beginning.fileno())
+                _write(path / _BEGINNING, _sealed(scenario))
                 (path / _BEGINNING).replace(path / SCENARIO)
                 _sync_folder(path)
             except BaseException:
@@ -116,7 +112,7 @@ class RunFolder:
         Raises:
             RunFolderError: It could not be written; the records before it are intact.
         """
-        line = json.dumps(_finite(record), allow_nan=False).encode() + b"\n"
+        line = trial_line(record)
         end = self._file.tell()
         try:
             rest = memoryview(line)
@@ -165,40 +161,44 @@ def read_trials(path: Path) -> list[dict[str, Any]]:
         content = (path / TRIALS).read_bytes()
     except OSError as error:
         raise RunFolderError(path, f"{TRIALS}: {error.strerror}") from error
-    return _whole_lines(path, content)[0]
+    return whole_lines(path, content)[0]
 
 
-def _whole_lines(path: Path, content: bytes) -> tuple[list[dict[str, Any]], int]:
-    """Records of the undamaged lines, and the number of bytes they take."""
-    lines = content.split(b"\n")
-    records: list[dict[str, Any]] = []
-    length = 0
-    for number, line in enumerate(lines, start=1):
-        rest_is_empty = number >= len(lines) - 1 and not any(lines[number:])
-        try:
-            record = json.loads(line)
-            whole = isinstance(record, dict) and record.keys() >= _KEYS
-            whole = whole and record["trial"] == number
-        except ValueError:
-            whole = False
-        if whole and number < len(lines):  # a line without its newline was cut short
-            records.append(record)
-            length += len(line) + 1
-        elif rest_is_empty:
-            break
-        else:
-            raise RunFolderError(
-                path, f"{TRIALS}, line {number} is damaged, and lines after it are not"
-            )
-    return records, length
+def write_run(path: Path, scenario: str, trials: Iterable[dict[str, Any]]) -> None:
+    """Write the folder of a run that was made elsewhere: whole, or not at all.
+
+    Args:
+        path: The folder; what it held of the same run gives way.
+        scenario: Text of its ``scenario.yaml``.
+        trials: Records of its trials.
+
+    Raises:
+        RunFolderError: It cannot be written.
+    """
+    begun = path.with_name(f".{path.name}")
+    try:
+        shutil.rmtree(begun, ignore_errors=True)
+        begun.mkdir(parents=True)
+        _write(begun / SCENARIO, _sealed(scenario))
+        _write(begun / TRIALS, b"".join(map(trial_line, trials)))
+        _sync_folder(begun)
+        if path.exists():
+            shutil.rmtree(path)
+        begun.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise RunFolderError(path, f"cannot be written: {error.strerror}") from error
 
 
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def _write(path: Path, content: bytes) -> None:
+    with path.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _sealed(scenario: str) -> bytes:
+    return (scenario + _SEAL + _digest(scenario.encode()) + "\n").encode()
 
 
 def _check_seal(path: Path) -> None:
@@ -229,7 +229,7 @@ def _locked(path: Path, mode: Literal["r+b", "a+b"]) -> io.FileIO:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         file.close()
-        raise RunFolderError(path, "another process is writing to this run") from error
+        raise FolderHeldError(path, "another process is writing to this run") from error
     except BaseException:
         file.close()
         raise

@@ -6,17 +6,18 @@ opened again, and its piece of work done again.
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
-from drake_viapoint.errors import RunFolderError
+from drake_viapoint.errors import FolderHeldError, RunFolderError
 
 
 class StudyLog:
-    """An open file of results; a context manager.
+    """An open file of results, held by one process at a time; a context manager.
 
     Args:
         path: The file, made if it is not there.
@@ -27,7 +28,8 @@ class StudyLog:
         rows: Results so far.
 
     Raises:
-        RunFolderError: The file holds another study's results, or cannot be read or written.
+        RunFolderError: The file holds another study's results, another process holds it, or it
+            cannot be read or written.
     """
 
     def __init__(self, path: Path, study: dict[str, Any]) -> None:
@@ -36,15 +38,16 @@ class StudyLog:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file: IO[bytes] = path.open("a+b")
-            self._file.seek(0)
-            content = self._file.read()
-            whole = self._read(content.split(b"\n")[:-1], study)
-            if len(content) > whole:
-                self._file.truncate(whole)
-            if not whole:
-                self._write({"study": study})
         except OSError as error:
             raise RunFolderError(path, f"cannot be written: {error.strerror}") from error
+        try:
+            self._go_on(study)
+        except OSError as error:
+            self._file.close()
+            raise RunFolderError(path, f"cannot be written: {error.strerror}") from error
+        except BaseException:
+            self._file.close()
+            raise
 
     def append(self, row: dict[str, Any]) -> None:
         """Put a result on the disk.
@@ -70,6 +73,20 @@ class StudyLog:
     ) -> None:
         """Close the file."""
         self._file.close()
+
+    def _go_on(self, study: dict[str, Any]) -> None:
+        """Take in what the file holds, once nobody else writes to it."""
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise FolderHeldError(self.path, "another process is writing to this study") from error
+        self._file.seek(0)
+        content = self._file.read()
+        whole = self._read(content.split(b"\n")[:-1], study)
+        if len(content) > whole:
+            self._file.truncate(whole)
+        if not whole:
+            self._write({"study": study})
 
     def _read(self, lines: list[bytes], study: dict[str, Any]) -> int:
         """Take in whole lines; returns how many bytes they take."""

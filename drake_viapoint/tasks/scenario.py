@@ -50,15 +50,34 @@ def load_scenario(path: Path, schema: type[S], changes: Mapping[str, object] | N
     """
     data = read_mapping(path)
     try:
-        for key, value in (changes or {}).items():
-            _change(data, key, value)
-        _check_lists(data, schema())
-        scenario = _load(data, schema)
-        scenario.validate()
+        return make_scenario(data, schema, changes)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from error
+
+
+def make_scenario(
+    data: Mapping[str, Any], schema: type[S], changes: Mapping[str, object] | None = None
+) -> S:
+    """Make and check a scenario of keys and values, as a file has them.
+
+    Args:
+        data: Keys and values; left as they are.
+        schema: Class of the task's scenario.
+        changes: Values that replace them, by their full keys.
+
+    Raises:
+        ScenarioError: An unknown key, a value of the wrong type or out of its bounds. Names key
+            and value.
+    """
+    changed = dict(data)
+    try:
+        for key, value in (changes or {}).items():
+            _change(changed, key, value)
+        _check_lists(changed, schema())
+        scenario = _load(changed, schema)
+        scenario.validate()
     except RecursionError as error:
-        raise ScenarioError(f"{path}: an anchor that holds itself") from error
+        raise ScenarioError("an anchor that holds itself") from error
     return scenario
 
 

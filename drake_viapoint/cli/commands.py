@@ -11,6 +11,7 @@ import click
 from drake_viapoint import __version__
 from drake_viapoint.cli.ending import importing, interruptible, run
 from drake_viapoint.cli.learn import learn
+from drake_viapoint.cli.sweep import sweep
 
 _EXISTING = click.Path(path_type=Path)
 _TASK = click.argument("task", type=click.Choice(["serve", "upswing"]))
@@ -28,6 +29,7 @@ def cli() -> None:
 
 
 cli.add_command(learn)
+cli.add_command(sweep)
 
 
 @cli.command()

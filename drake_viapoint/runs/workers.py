@@ -1,0 +1,125 @@
+"""Workers of a sweep: what they offer, those of this machine, and what becomes of their deaths."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from collections import Counter
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures.process import BrokenProcessPool
+from typing import Protocol
+
+from joblib import Parallel, delayed
+
+from drake_viapoint.runs.study import StudyRun
+from drake_viapoint.runs.study_run import StudyResult, StudyWork, execute, row_without_result
+
+_DEATHS = 3  # of workers that had a run in hand, before it is tried alone
+
+
+class WorkerDiedError(Exception):
+    """A worker was killed, or died by itself; never seen outside a sweep."""
+
+
+class Workers(Protocol):
+    """Processes that execute runs."""
+
+    @property
+    def number(self) -> int:
+        """How many runs they execute at once."""
+        ...
+
+    def results(
+        self, work: StudyWork, runs: Iterable[StudyRun]
+    ) -> Generator[StudyResult, None, None]:
+        """Execute runs, in any order; results come as they land.
+
+        Raises:
+            WorkerDiedError: A worker died. What it had in hand is lost.
+        """
+        ...
+
+
+class LocalWorkers:
+    """Processes of this machine, kept and fed by joblib's loky.
+
+    Args:
+        number: Of processes; with 1 the runs are executed in this one.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+
+    def results(
+        self, work: StudyWork, runs: Iterable[StudyRun]
+    ) -> Generator[StudyResult, None, None]:
+        """See ``Workers``."""
+        parallel = Parallel(n_jobs=self.number, backend="loky", return_as="generator_unordered")
+        return joblib_results(parallel, work, runs, BrokenProcessPool)
+
+
+def joblib_results(
+    parallel: Parallel, work: StudyWork, runs: Iterable[StudyRun], death: type[BaseException]
+) -> Generator[StudyResult, None, None]:
+    """Results of joblib's workers; they are stopped if the iterator is closed before its end."""
+    with _signals_blocked():  # processes and threads inherit it: Ctrl-C is for this thread alone
+        results = parallel(delayed(execute)(work, run) for run in runs)
+    try:
+        yield from results
+    except death as error:
+        raise WorkerDiedError(str(error)) from error
+    except GeneratorExit:
+        with contextlib.suppress(KeyboardInterrupt):  # closing it would warn of what is lost
+            results.throw(KeyboardInterrupt())
+        raise
+
+
+def results_despite_deaths(
+    workers: Workers, work: StudyWork, runs: Iterable[StudyRun]
+) -> Generator[StudyResult, None, None]:
+    """Results of all runs, whatever kills workers.
+
+    When a worker dies the others end with it; what was in hand is done again. A run that was in
+    hand at three deaths is tried alone, and if its worker dies again, that is its result.
+    """
+    waiting = {run.name: run for run in runs}
+    deaths: Counter[str] = Counter()
+    while waiting:
+        for name in [name for name in waiting if deaths[name] >= _DEATHS]:
+            yield from _alone(workers, work, waiting.pop(name))
+        in_hand: set[str] = set()
+        try:
+            with contextlib.closing(
+                workers.results(work, _handed_out(list(waiting.values()), in_hand))
+            ) as results:
+                for result in results:
+                    name = result.row["run"]
+                    in_hand.discard(name)
+                    del waiting[name]
+                    yield result
+        except WorkerDiedError:
+            deaths.update(list(in_hand))
+
+
+def _alone(workers: Workers, work: StudyWork, run: StudyRun) -> Generator[StudyResult, None, None]:
+    # Never in this process, whatever the number of workers
+    others = LocalWorkers(2) if isinstance(workers, LocalWorkers) else workers
+    try:
+        yield from others.results(work, [run])
+    except WorkerDiedError:
+        yield StudyResult(row_without_result(work.study, run, "its worker died, time and again"))
+
+
+def _handed_out(runs: Iterable[StudyRun], in_hand: set[str]) -> Iterator[StudyRun]:
+    for run in runs:
+        in_hand.add(run.name)
+        yield run
+
+
+@contextlib.contextmanager
+def _signals_blocked() -> Iterator[None]:
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

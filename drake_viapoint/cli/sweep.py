@@ -89,8 +89,8 @@ def sweep(
 def _workers(number: int | None, scheduler: str | None, closing: ExitStack) -> Workers:
     if scheduler is not None:
         with importing():
-            from drake_viapoint.runs.cluster import ClusterWorkers
-        return closing.enter_context(ClusterWorkers(scheduler))
+            from drake_viapoint.runs.cluster import cluster_workers
+        return closing.enter_context(cluster_workers(scheduler))
     with importing():
         from joblib import cpu_count
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -49,10 +50,11 @@ class Study:
         task: Name of the task.
         scenario: Every value of the scenario that the runs change, as YAML has them.
         conditions: Changes of each condition, by its name.
-        vary: Values of what varies, by full keys of the scenario.
+        vary: Values of what varies, by full keys of the scenario; every combination is run.
         max_trials: Of each run.
         repeats: The final movement is executed so many times more, learned or not.
         tabulate: Fields of the trials' records that become columns.
+        together: Values that change in step, by full keys, as many for each.
     """
 
     task: str
@@ -62,18 +64,23 @@ class Study:
     max_trials: int
     repeats: int
     tabulate: tuple[str, ...]
+    together: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Number of runs."""
-        number = len(self.conditions)
-        for values in self.vary.values():
-            number *= len(values)
-        return number
+        steps = [len(values) for values in self.together.values()][:1]
+        return math.prod(map(len, [self.conditions, *self.vary.values()]), start=math.prod(steps))
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """Keys of everything that varies beside the condition."""
+        return (*self.together, *self.vary)
 
     def runs(self) -> Iterator[StudyRun]:
         """Every combination; the conditions of one person and seed are neighbours."""
-        for combination in itertools.product(*self.vary.values()):
-            values = dict(zip(self.vary, combination, strict=True))
+        in_step = zip(*self.together.values(), strict=True) if self.together else [()]
+        for step, *combination in itertools.product(in_step, *self.vary.values()):
+            values = dict(zip(self.varied, (*step, *combination), strict=True))
             for condition, changes in self.conditions.items():
                 yield StudyRun(condition, values, {**changes, **values})
 
@@ -99,7 +106,7 @@ class Study:
         repeated = [REPEATED + name for name in self.tabulate] if self.repeats else []
         counts = ("learned_at", "first_success", "trials", "wasted")
         ending = ("error", "seconds", "folder")
-        return ("run", "condition", *self.vary, *counts, *self.tabulate, *repeated, *ending)
+        return ("run", "condition", *self.varied, *counts, *self.tabulate, *repeated, *ending)
 
 
 def digest(data: object) -> str:

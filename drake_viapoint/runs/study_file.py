@@ -20,6 +20,7 @@ _KEYS = (
     "changes",
     "conditions",
     "vary",
+    "together",
     "max_trials",
     "repeats",
     "tabulate",
@@ -70,7 +71,8 @@ def _study(path: Path, data: Mapping[Any, Any]) -> Study:
         task=task,
         scenario=yaml.safe_load(dump_scenario(scenario)),
         conditions=_conditions(path, data),
-        vary=_vary(path, data),
+        vary=_vary(path, data, "vary"),
+        together=_together(path, data),
         max_trials=_count(path, "max_trials", data.get("max_trials", _MAX_TRIALS), least=1),
         repeats=_count(path, "repeats", data.get("repeats", 0), least=0),
         tabulate=_tabulate(path, data.get("tabulate", [])),
@@ -127,16 +129,25 @@ def _conditions(path: Path, data: Mapping[str, Any]) -> dict[str, dict[str, Any]
     return {name: _changes(path, f"conditions: {name}", its) for name, its in conditions.items()}
 
 
-def _vary(path: Path, data: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
-    vary = data.get("vary", {})
-    if not isinstance(vary, dict) or ("vary" in data and not vary):
-        raise StudyError(path, f"vary must map a scenario's keys to values, got {vary!r}")
-    return {key: tuple(_varied(path, key, values)) for key, values in vary.items()}
+def _vary(path: Path, data: Mapping[str, Any], name: str) -> dict[str, tuple[Any, ...]]:
+    vary = data.get(name, {})
+    if not isinstance(vary, dict) or (name in data and not vary):
+        raise StudyError(path, f"{name} must map a scenario's keys to values, got {vary!r}")
+    return {key: tuple(_varied(path, name, key, values)) for key, values in vary.items()}
 
 
-def _varied(path: Path, key: object, values: object) -> list[Any] | range:
+def _together(path: Path, data: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
+    together = _vary(path, data, "together")
+    numbers = {key: len(values) for key, values in together.items()}
+    if len(set(numbers.values())) > 1:
+        counted = ", ".join(f"{key} has {number}" for key, number in numbers.items())
+        raise StudyError(path, f"together: every key needs as many values, but {counted}")
+    return together
+
+
+def _varied(path: Path, name: str, key: object, values: object) -> list[Any] | range:
     """Values of one key: a list, or all whole numbers from one to another."""
-    where = f"vary: {_check_key(path, 'vary', key)}"
+    where = f"{name}: {_check_key(path, name, key)}"
     if isinstance(values, dict):
         if values.keys() != {"from", "to"}:
             raise StudyError(path, f"{where} must be a list or {{from: .., to: ..}}, got {values}")
@@ -193,11 +204,15 @@ def _check_keys(path: Path, study: Study, changes: Mapping[str, Any]) -> None:
     """Nothing has two values at once, in a scenario or in a table."""
     places = [("changes", changes)]
     places += [(f"conditions: {name}", its) for name, its in study.conditions.items()]
-    for key in study.vary:
-        for where, keys in places:
-            for other in keys:
-                if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
-                    raise StudyError(path, f"vary: {key} is set in {where}, too; which is it?")
+    for name, varied in (("vary", study.vary), ("together", study.together)):
+        for key in varied:
+            for where, keys in places:
+                for other in keys:
+                    if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
+                        raise StudyError(
+                            path, f"{name}: {key} is set in {where}, too; which is it?"
+                        )
+        places.append((name, varied))
     columns = study.columns()
     for column in columns:
         if columns.count(column) > 1:
@@ -209,6 +224,8 @@ def _check_runs(path: Path, study: Study) -> None:
         raise StudyError(path, f"{len(study)} runs are more than the {_MOST} a study may have")
     for key, values in study.vary.items():
         _check_different(path, f"vary: {key}", [(str(value), value) for value in values])
+    steps = [list(step) for step in zip(*study.together.values(), strict=True)]
+    _check_different(path, "together", [(str(step), step) for step in steps])
     _check_different(path, "conditions", list(study.conditions.items()))
 
 
@@ -243,10 +260,18 @@ def _check_values(path: Path, study: Study) -> None:
 
 def _one_by_one(study: Study, first: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Where it stands, and the changes of the first run with one condition or value replaced."""
-    varied = {key: first[key] for key in study.vary}
+    varied = {key: first[key] for key in study.varied}
     for name, changes in study.conditions.items():
         yield f"conditions: {name}", {**changes, **varied}
     for key, values in study.vary.items():
-        whole = all(isinstance(v, int) and not isinstance(v, bool) for v in values)
-        for value in sorted({min(values), max(values)}) if whole else values:
+        for value in _ends(values):
             yield f"vary: {key}", {**first, key: value}
+    for step in _ends(tuple(zip(*study.together.values(), strict=True))):
+        yield "together", {**first, **dict(zip(study.together, step, strict=True))}
+
+
+def _ends(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The least and the largest where all are whole numbers, or tuples of such; else all."""
+    numbers = [value if isinstance(value, tuple) else (value,) for value in values]
+    whole = all(isinstance(n, int) and not isinstance(n, bool) for row in numbers for n in row)
+    return tuple({min(values): None, max(values): None}) if whole and values else values

@@ -42,7 +42,11 @@ def test_subtasks_follow_the_scenario() -> None:
     learning = ServeLearning()
     learning.strike.control = ["phi6", "theta6", "psi6"]
     learning.throw.gain, learning.throw.reached = 0.3, 0.02
+    learning.throw.control = ["x3", "psi4", "z4"]
+    learning.position_perturbation, learning.angle_perturbation = 0.02, 0.05
     throw, strike = serve_subtasks(learning)
+    assert throw.perturbation == (0.02, 0.05, 0.02)
+    assert strike.perturbation == (0.05,) * 3
     assert strike.control == ("phi6", "theta6", "psi6")
     assert throw.gain(0.0) == 0.3
     assert throw.reached == 0.02

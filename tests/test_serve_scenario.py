@@ -76,9 +76,10 @@ def test_the_defaults_are_the_papers() -> None:
     """Sections 2.1.2, 2.1.3 and 2.2.2."""
     learning = ServeScenario().learning
     assert learning.throw.control == ["x3", "y3", "z3", "x4", "y4", "z4"]
-    assert (learning.throw.perturbation, learning.throw.gain) == (0.01, 0.5)
+    assert learning.throw.gain == 0.5
     assert learning.strike.control == ["phi6", "phi7", "psi7"]
-    assert learning.strike.perturbation == pytest.approx(math.radians(1))
+    assert learning.position_perturbation == 0.01
+    assert learning.angle_perturbation == pytest.approx(math.radians(1))
     assert (learning.strike.gain, learning.strike.taper_start, learning.strike.gate) == (
         0.4,
         0.05,
@@ -144,10 +145,10 @@ def test_numbers_no_serve_can_have_are_refused(tmp_path: Path, key: str, value: 
         "demonstration.cutoff",
         "demonstration.angle_weight",
         "demonstration.via_points",
-        "learning.throw.perturbation",
         "learning.throw.gain",
         "learning.throw.reached",
-        "learning.strike.perturbation",
+        "learning.position_perturbation",
+        "learning.angle_perturbation",
         "learning.strike.gain",
         "learning.strike.gate",
         "learning.meeting_tolerance",

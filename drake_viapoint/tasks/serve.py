@@ -111,7 +111,7 @@ def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
             name="throw",
             control=tuple(throw.control),
             task_variable=THROW,
-            perturbation=(throw.perturbation,) * len(throw.control),
+            perturbation=_perturbations(throw.control, learning),
             gain=ConstantGain(throw.gain),
             tolerance=learning.meeting_tolerance,
             regularization=throw.regularization,
@@ -122,7 +122,7 @@ def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
             name="strike",
             control=tuple(strike.control),
             task_variable=STRIKE,
-            perturbation=(strike.perturbation,) * len(strike.control),
+            perturbation=_perturbations(strike.control, learning),
             gain=TaperedGain(strike.gain, strike.taper_start, strike.gate),
             tolerance=learning.landing_tolerance,
             regularization=strike.regularization,
@@ -130,4 +130,14 @@ def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:
             gate=strike.gate,
             jacobian=learning.jacobian.kept(),
         ),
+    )
+
+
+def _perturbations(control: list[str], learning: ServeLearning) -> tuple[float, ...]:
+    """Of each component: places are moved by metres, angles by radians."""
+    return tuple(
+        learning.position_perturbation
+        if name.startswith(("x", "y", "z"))
+        else learning.angle_perturbation
+        for name in control
     )

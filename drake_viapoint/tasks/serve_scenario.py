@@ -92,7 +92,6 @@ class ThrowLearning:
     """Subtask 1: throw the ball so that the face's centre meets it (section 2.1.2)."""
 
     control: list[str] = field(default_factory=lambda: ["x3", "y3", "z3", "x4", "y4", "z4"])
-    perturbation: float = 0.01
     gain: float = 0.5
     regularization: float = 0.04
     """lambda_J, for a Jacobian in tolerances a perturbation: a direction in which one perturbation
@@ -107,8 +106,6 @@ class StrikeLearning:
     """Subtask 2: strike the ball into the goal (sections 2.1.3 and 2.2.2)."""
 
     control: list[str] = field(default_factory=lambda: ["phi6", "phi7", "psi7"])
-    perturbation: float = 0.017453292519943295
-    """1 degree."""
     gain: float = 0.4
     taper_start: float = 0.05
     gate: float = 0.1
@@ -124,6 +121,10 @@ class ServeLearning:
 
     throw: ThrowLearning = field(default_factory=ThrowLearning)
     strike: StrikeLearning = field(default_factory=StrikeLearning)
+    position_perturbation: float = 0.01
+    """By which x, y and z of a via-point are explored, in either subtask."""
+    angle_perturbation: float = 0.017453292519943295
+    """The same of phi, theta and psi: 1 degree."""
     jacobian: JacobianScenario = field(default_factory=lambda: JacobianScenario(window=15))
     """What becomes of both Jacobians; K = 15 in section 3.2."""
     meeting_tolerance: float = 0.05
@@ -203,10 +204,11 @@ class ServeScenario:
     def _validate_learning(self) -> None:
         learning = self.learning
         for name, subtask in (("throw", learning.throw), ("strike", learning.strike)):
-            require_positive(f"learning.{name}.perturbation", subtask.perturbation)
             require_positive(f"learning.{name}.gain", subtask.gain)
             require_not_negative(f"learning.{name}.regularization", subtask.regularization)
             require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
+        require_positive("learning.position_perturbation", learning.position_perturbation)
+        require_positive("learning.angle_perturbation", learning.angle_perturbation)
         learning.jacobian.validate("learning.jacobian")
         require_positive("learning.throw.reached", learning.throw.reached)
         require_positive("learning.strike.gate", learning.strike.gate)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import signal
 from collections import Counter
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import resource_tracker
 from typing import Protocol
 
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import ShutdownExecutorError
 
 from drake_viapoint.runs.study import StudyRun
 from drake_viapoint.runs.study_run import StudyResult, StudyWork, execute, row_without_result
@@ -62,16 +65,17 @@ def joblib_results(
     parallel: Parallel, work: StudyWork, runs: Iterable[StudyRun], death: type[BaseException]
 ) -> Generator[StudyResult, None, None]:
     """Results of joblib's workers; they are stopped if the iterator is closed before its end."""
-    with _signals_blocked():  # processes and threads inherit it: Ctrl-C is for this thread alone
-        results = parallel(delayed(execute)(work, run) for run in runs)
-    try:
-        yield from results
-    except death as error:
-        raise WorkerDiedError(str(error)) from error
-    except GeneratorExit:
-        with contextlib.suppress(KeyboardInterrupt):  # closing it would warn of what is lost
-            results.throw(KeyboardInterrupt())
-        raise
+    with _quiet():
+        with _interrupt_blocked():  # processes and threads inherit it: Ctrl-C is for this thread
+            results = parallel(delayed(execute)(work, run) for run in runs)
+        try:
+            yield from results
+        except death as error:
+            raise WorkerDiedError(str(error)) from error
+        except GeneratorExit:
+            with contextlib.suppress(KeyboardInterrupt):  # closing it would warn of what is lost
+                results.throw(KeyboardInterrupt())
+            raise
 
 
 def results_despite_deaths(
@@ -117,9 +121,25 @@ def _handed_out(runs: Iterable[StudyRun], in_hand: set[str]) -> Iterator[StudyRu
 
 
 @contextlib.contextmanager
-def _signals_blocked() -> Iterator[None]:
+def _interrupt_blocked() -> Iterator[None]:
+    resource_tracker.ensure_running()  # to begin it would unblock
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Without a traceback of joblib's feeding thread when workers are stopped under its hands."""
+
+    def is_news(record: logging.LogRecord) -> bool:
+        return not (record.exc_info and isinstance(record.exc_info[1], ShutdownExecutorError))
+
+    logger = logging.getLogger("concurrent.futures")
+    logger.addFilter(is_news)
+    try:
+        yield
+    finally:
+        logger.removeFilter(is_news)

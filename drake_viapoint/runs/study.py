@@ -14,6 +14,9 @@ from typing import Any
 ONLY_CONDITION = "all"
 """Condition of every run of a study that names none."""
 
+MOST = 1_000_000
+"""Runs of a study, trials and repeats of a run: more is a slip of the finger."""
+
 REPEATED = "repeated_"
 """What a column of the final movement's repeats begins with."""
 

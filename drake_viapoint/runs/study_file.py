@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_viapoint.errors import ScenarioError, StudyError
-from drake_viapoint.runs.study import ONLY_CONDITION, Study, canonical
+from drake_viapoint.runs.study import MOST, ONLY_CONDITION, Study, canonical
+from drake_viapoint.runs.study_check import check_study
 from drake_viapoint.tasks.catalogue import TASKS, task_scenario
 from drake_viapoint.tasks.scenario import dump_scenario, make_scenario, read_mapping
 
@@ -26,7 +27,6 @@ _KEYS = (
     "tabulate",
 )
 _MAX_TRIALS = 60  # as of `learn`
-_MOST = 1_000_000  # runs, trials, repeats: more is a slip of the finger
 
 
 def read_study(path: Path) -> Study:
@@ -77,9 +77,7 @@ def _study(path: Path, data: Mapping[Any, Any]) -> Study:
         repeats=_count(path, "repeats", data.get("repeats", 0), least=0),
         tabulate=_tabulate(path, data.get("tabulate", [])),
     )
-    _check_keys(path, study, changes)
-    _check_runs(path, study)
-    _check_values(path, study)
+    check_study(path, study, changes)
     return study
 
 
@@ -94,9 +92,9 @@ def _numbers(value: Any) -> Any:
 
 
 def _count(path: Path, key: str, value: object, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= _MOST:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= MOST:
         raise StudyError(
-            path, f"{key} must be a whole number from {least} to {_MOST}, got {value!r}"
+            path, f"{key} must be a whole number from {least} to {MOST}, got {value!r}"
         )
     return value
 
@@ -154,8 +152,8 @@ def _varied(path: Path, name: str, key: object, values: object) -> list[Any] | r
         first, last = values["from"], values["to"]
         if any(isinstance(end, bool) or not isinstance(end, int) for end in (first, last)):
             raise StudyError(path, f"{where}: from and to must be whole numbers, got {values}")
-        if not 0 <= last - first < _MOST:
-            bound = f"from must not be above to, nor {_MOST} or more below"
+        if not 0 <= last - first < MOST:
+            bound = f"from must not be above to, nor {MOST} or more below"
             raise StudyError(path, f"{where}: {bound}, got {values}")
         return range(first, last + 1)
     if not isinstance(values, list) or not values:
@@ -198,80 +196,3 @@ def _has_mapping(value: object) -> bool:
     return isinstance(value, dict) or (
         isinstance(value, list) and any(_has_mapping(item) for item in value)
     )
-
-
-def _check_keys(path: Path, study: Study, changes: Mapping[str, Any]) -> None:
-    """Nothing has two values at once, in a scenario or in a table."""
-    places = [("changes", changes)]
-    places += [(f"conditions: {name}", its) for name, its in study.conditions.items()]
-    for name, varied in (("vary", study.vary), ("together", study.together)):
-        for key in varied:
-            for where, keys in places:
-                for other in keys:
-                    if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
-                        raise StudyError(
-                            path, f"{name}: {key} is set in {where}, too; which is it?"
-                        )
-        places.append((name, varied))
-    columns = study.columns()
-    for column in columns:
-        if columns.count(column) > 1:
-            raise StudyError(path, f"tabulate: two columns would be called {column!r}")
-
-
-def _check_runs(path: Path, study: Study) -> None:
-    if len(study) > _MOST:
-        raise StudyError(path, f"{len(study)} runs are more than the {_MOST} a study may have")
-    for key, values in study.vary.items():
-        _check_different(path, f"vary: {key}", [(str(value), value) for value in values])
-    steps = [list(step) for step in zip(*study.together.values(), strict=True)]
-    _check_different(path, "together", [(str(step), step) for step in steps])
-    _check_different(path, "conditions", list(study.conditions.items()))
-
-
-def _check_different(path: Path, where: str, named: list[tuple[str, Any]]) -> None:
-    """No two are the same run: equal numbers are, however they are written."""
-    seen: dict[str, str] = {}
-    for name, value in named:
-        text = canonical(_as_number(value))
-        if text in seen:
-            raise StudyError(path, f"{where}: {name} and {seen[text]} would be the same runs")
-        seen[text] = name
-
-
-def _as_number(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _as_number(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_as_number(item) for item in value]
-    is_whole = isinstance(value, float) and value.is_integer()
-    return int(value) if is_whole else value  # type: ignore[call-overload]
-
-
-def _check_values(path: Path, study: Study) -> None:
-    schema = TASKS[study.task].scenario
-    first = next(study.runs())
-    for where, changes in _one_by_one(study, first.changes):
-        try:
-            make_scenario(study.scenario, schema, changes)
-        except ScenarioError as error:
-            raise StudyError(path, f"{where}: {error}") from error
-
-
-def _one_by_one(study: Study, first: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Where it stands, and the changes of the first run with one condition or value replaced."""
-    varied = {key: first[key] for key in study.varied}
-    for name, changes in study.conditions.items():
-        yield f"conditions: {name}", {**changes, **varied}
-    for key, values in study.vary.items():
-        for value in _ends(values):
-            yield f"vary: {key}", {**first, key: value}
-    for step in _ends(tuple(zip(*study.together.values(), strict=True))):
-        yield "together", {**first, **dict(zip(study.together, step, strict=True))}
-
-
-def _ends(values: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The least and the largest where all are whole numbers, or tuples of such; else all."""
-    numbers = [value if isinstance(value, tuple) else (value,) for value in values]
-    whole = all(isinstance(n, int) and not isinstance(n, bool) for row in numbers for n in row)
-    return tuple({min(values): None, max(values): None}) if whole and values else values

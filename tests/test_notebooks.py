@@ -34,13 +34,17 @@ def shown(notebook: NotebookNode, kind: str) -> list[str]:
     return [o.data[kind] for o in outputs_of(notebook) if kind in o.get("data", {})]
 
 
-def check_display(notebook: NotebookNode, folder: Path, *, pictures: int) -> None:
+def check_clean(notebook: NotebookNode, folder: Path, *, pictures: int) -> None:
     assert printed(notebook, "stderr") == "", "no warnings"
     assert len(shown(notebook, "image/png")) == pictures
+    assert list(folder.iterdir()) == [], "nothing is written"
+
+
+def check_display(notebook: NotebookNode, folder: Path, *, pictures: int) -> None:
+    check_clean(notebook, folder, pictures=pictures)
     no_drawing = "Graphviz is not installed" in printed(notebook)
     assert shown(notebook, "image/svg+xml") or no_drawing
     assert sum("srcdoc" in page for page in shown(notebook, "text/html")) == 1
-    assert list(folder.iterdir()) == [], "nothing is written"
 
 
 def table(markdown: str) -> list[list[str]]:
@@ -95,3 +99,37 @@ def test_the_upswing_is_learned(tmp_path: Path) -> None:
     assert shares["recorded"] >= 95
     assert [row[0] for row in executions] == ["recurrence", "plant, kinematic", "plant, tracked"]
     check_display(notebook, tmp_path, pictures=10)
+
+
+def test_a_study_is_swept_and_grows(tmp_path: Path) -> None:
+    (path,) = (path for path in NOTEBOOKS if path.name == "03_studies.ipynb")
+    notebook = executed(
+        path,
+        tmp_path,
+        "print('conditions', dict(table['condition'].value_counts(sort=False)))",
+        "print('persons', sorted(set(table['demonstration.person'])))",
+        "print('errors', int(more['error'].notna().sum()))",
+        # the time a run took is its own: it would differ had the run been made again
+        "took, first_took = (frame.set_index('run')['seconds'] for frame in (more, rows))",
+        "print('old rows kept', took.loc[first_took.index].equals(first_took))",
+        "print('new rows', sorted(set(more['condition'][~more['run'].isin(rows['run'])])))",
+        "print('gone', not Path(folder.name).exists())",
+    )
+    text = printed(notebook)
+    assert "conditions {'undisturbed': 3, 'kept': 3, 'recorded': 3}\n" in text
+    assert "persons [0, 1, 2]\n" in text
+    assert "errors 0\n" in text
+    assert "0 runs were there, 9 were made\n" in text
+    assert "9 runs were there, 3 were made\n" in text
+    assert "old rows kept True\n" in text
+    assert "new rows ['explored_again']\n" in text
+    assert "gone True\n" in text
+
+    (by_condition,) = map(table, shown(notebook, "text/markdown"))
+    assert [row[0] for row in by_condition] == ["undisturbed", "kept", "recorded"]
+    undisturbed, kept, recorded = (float(row[7]) for row in by_condition)
+    assert undisturbed == 0.0 < min(kept, recorded), "only a disturbance has a floor"
+    assert "recorded against kept, 3 pairs of runs" in text
+    for choice in ("S_H by norm", "S_G by norm", "S_G by ratio"):
+        assert f"{choice}:" in text
+    check_clean(notebook, tmp_path, pictures=4)

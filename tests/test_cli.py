@@ -618,6 +618,7 @@ def test_extract_from_a_real_serve(
 
 COMMANDS = [["learn", "serve"], ["learn", "upswing"], ["replay"], ["extract"], ["demonstrate"]]
 COMMANDS += [["components"], ["choices"], ["scenario"], ["reproduce"], ["sweep"]]
+COMMANDS += [["conditions"]]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)

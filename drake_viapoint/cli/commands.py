@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import click
 from drake_viapoint import __version__
 from drake_viapoint.cli.ending import importing, interruptible, run
 from drake_viapoint.cli.learn import learn
+from drake_viapoint.cli.studies import choices, components, conditions
 from drake_viapoint.cli.sweep import sweep
 
 _EXISTING = click.Path(path_type=Path)
@@ -28,8 +28,8 @@ def cli() -> None:
     """Teach a robot a dynamic skill from one demonstration and a few tens of trials."""
 
 
-cli.add_command(learn)
-cli.add_command(sweep)
+for _command in (learn, components, choices, sweep, conditions):
+    cli.add_command(_command)
 
 
 @cli.command()
@@ -125,60 +125,6 @@ def demonstrate(task: str, person: int, out: Path) -> None:
 
 
 @cli.command()
-@click.argument("run", type=_EXISTING)
-@click.option("--out", required=True, type=_EXISTING, help="Folder of the picture and tables.")
-@click.option(
-    "--position", type=float, default=0.05, show_default=True, help="Moved by so much [m]."
-)
-@click.option(
-    "--angle", type=float, default=5.0, show_default=True, help="Turned by so much [deg]."
-)
-def components(run: Path, out: Path, position: float, angle: float) -> None:
-    """Find which via-point components move the ball in a run of the serve (our Fig. 9).
-
-    \b
-    Examples:
-      drake-viapoint components runs/first --out components
-      drake-viapoint components runs/first --out components --position 0.01 --angle 1
-    """
-    if not (position > 0 and angle > 0):
-        raise click.UsageError("--position and --angle must be positive")
-    with importing():
-        from drake_viapoint.reproduction.components import study_components
-
-    with interruptible(lambda: "interrupted; nothing was written"):
-        lines = study_components(run, out, position=position, angle=math.radians(angle))
-    for line in lines:
-        click.echo(line)
-
-
-@cli.command()
-@click.option("--out", required=True, type=_EXISTING, help="Folder of the table.")
-@click.option("--persons", type=click.IntRange(1), default=20, show_default=True)
-def choices(out: Path, persons: int) -> None:
-    """Learn many persons' serves with components chosen by norm and by ratio (section 2.2.2).
-
-    \b
-    Example:
-      drake-viapoint choices --out results/choices --persons 20
-    """
-    with importing():
-        from drake_viapoint.reproduction.choices import choices_summary, study_choices
-        from drake_viapoint.reproduction.table import write_table
-
-    label = f"{'learning with each choice':<32}"
-    with (
-        interruptible(lambda: "interrupted; the same command goes on from here"),
-        click.progressbar(length=persons, label=label, show_eta=True) as bar,
-    ):
-        results = study_choices(out / "choices.jsonl", persons, on_person=bar.update)
-    for line in choices_summary(results):
-        click.echo(line)
-    if results:
-        click.echo(f"table in {write_table(results, out / 'choices.csv')}")
-
-
-@cli.command()
 @_TASK
 def scenario(task: str) -> None:
     """Print a task's scenario with every value, to be edited and given with --scenario.
@@ -212,7 +158,16 @@ def scenario(task: str) -> None:
     show_default=True,
     help="Virtual persons from whom the upswing is learned.",
 )
-def reproduce(out: Path, only: str | None, persons: int, upswing_persons: int) -> None:
+@click.option(
+    "--disturbed-runs",
+    type=click.IntRange(0, 100),
+    default=100,
+    show_default=True,
+    help="Runs of the serve under each condition of section 3.2.",
+)
+def reproduce(
+    out: Path, only: str | None, persons: int, upswing_persons: int, disturbed_runs: int
+) -> None:
     """Run the serve and the upswing, draw our figures, then learn from many virtual persons.
 
     \b
@@ -227,7 +182,9 @@ def reproduce(out: Path, only: str | None, persons: int, upswing_persons: int) -
         return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)
 
     with interruptible(lambda: "interrupted; the same command goes on from here"):
-        lines = reproduce_all(out, persons, upswing_persons, progress, only)
+        lines = reproduce_all(
+            out, persons, upswing_persons, progress, only, disturbed_runs=disturbed_runs
+        )
     for line in lines:
         click.echo(line)
 

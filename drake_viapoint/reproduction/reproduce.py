@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from drake_viapoint.reproduction.conditions import reproduce_conditions
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
 from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
 
 
 def reproduce(
-    out: Path, serve_persons: int, upswing_persons: int, progress: Progress, only: str | None = None
+    out: Path,
+    serve_persons: int,
+    upswing_persons: int,
+    progress: Progress,
+    only: str | None = None,
+    *,
+    disturbed_runs: int = 100,
 ) -> list[str]:
-    """Reproduce the serve (section 2) and the upswing (section 3.3).
+    """Reproduce the serve (sections 2 and 3.2) and the upswing (section 3.3).
 
     What the folder holds already is gone on with, not done again.
 
@@ -22,6 +29,7 @@ def reproduce(
         upswing_persons: The same for the upswing.
         progress: Shows what goes on.
         only: "serve" or "upswing"; both if None.
+        disturbed_runs: Of the serve under each condition of section 3.2; no study if 0.
 
     Returns:
         Lines that say what was found and where it is.
@@ -32,6 +40,8 @@ def reproduce(
     lines = []
     if only in (None, "serve"):
         lines += reproduce_serve(out, serve_persons, progress)
+        if disturbed_runs:
+            lines += reproduce_conditions(out, disturbed_runs, progress)
     if only in (None, "upswing"):
         lines += reproduce_upswing(out, upswing_persons, progress)
     return lines

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from drake_viapoint.errors import StudyError
-from drake_viapoint.runs.study import digest
+from drake_viapoint.runs.study import canonical
 
 TABLE = "table.parquet"
 CSV = "table.csv"
@@ -30,14 +30,14 @@ def table_of(
     Args:
         rows: Plain data, with a value a column.
         columns: In the order of the table.
-        study: Identity of the study; the table carries its digest.
+        study: Identity of the study, which the table carries as ``frame.attrs["study"]``.
 
     Returns:
         A frame with a row a run. Counts are whole numbers that may be missing; a tabulated field is
         a list a run, or text (JSON) where its values are of kinds that no one type can hold.
     """
     frame = pd.DataFrame({name: _column(name, [row[name] for row in rows]) for name in columns})
-    frame.attrs = {_STUDY: digest(study)}
+    frame.attrs = {_STUDY: json.loads(canonical(study))}
     return frame
 
 
@@ -79,7 +79,7 @@ def read_table(path: Path) -> pd.DataFrame:
         frame = pd.read_parquet(file)
     except (OSError, pa.ArrowException, ValueError) as error:
         raise StudyError(file, f"cannot be read as Parquet: {error}") from error
-    if not isinstance(frame.attrs.get(_STUDY), str):
+    if not isinstance(frame.attrs.get(_STUDY), dict):
         raise StudyError(file, "is a table, but not of a sweep")
     return frame
 
@@ -98,7 +98,7 @@ def check_table(folder: Path, study: Mapping[str, Any]) -> None:
         attributes = json.loads(metadata.get(b"PANDAS_ATTRS", b"{}"))
     except (OSError, pa.ArrowException, ValueError) as error:
         raise StudyError(file, f"is not a sweep's table: {error}") from error
-    if attributes.get(_STUDY) != digest(study):
+    if attributes.get(_STUDY) != json.loads(canonical(study)):
         raise StudyError(file, "holds another study; name another folder")
 
 

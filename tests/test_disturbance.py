@@ -1,5 +1,7 @@
 """The disturbance of section 3.2: its range, its independence, and its way into a serve."""
 
+from typing import NoReturn
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,6 +13,7 @@ from drake_viapoint.tasks.catalogue import TaskBuilder, task_scenario
 from drake_viapoint.tasks.disturbance import Disturbance
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import BallEvent, ServeTrial
+from drake_viapoint.tasks.trial import UNREACHABLE
 
 SEEDS = [trial_seed(7, number) for number in range(1, 4001)]
 
@@ -117,6 +120,22 @@ def test_another_movement_is_executed_anew(disturbed: ServeTask) -> None:
     between = disturbed.execute(moved, 1).record()
     assert between["T_H"] != first["T_H"]
     assert serve(disturbed, 1).record() == first
+
+
+def test_a_refused_movement_is_refused_again_without_another_search(
+    disturbed: ServeTask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    far = disturbed.via_points.moved(["y7"], [3.0])
+    first = disturbed.execute(far, 1)
+    assert first.record()["outcome"] == UNREACHABLE
+
+    def search(_: object) -> NoReturn:
+        raise AssertionError("searched again")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(disturbed, "retargeting", search)
+        assert disturbed.execute(far, 2).record() == first.record()
+    serve(disturbed, 1)  # and what comes after is executed
 
 
 def test_the_spread_it_sets(disturbed: ServeTask) -> None:

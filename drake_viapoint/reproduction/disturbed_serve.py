@@ -46,6 +46,7 @@ class ConditionResult:
         percentile_90: The same for nine runs of ten.
         wasted: Exploration trials a run wasted, on average.
         unreachable: Trials a run asked for that the arm could not make, on average.
+        lost: Runs whose repeated movement never lands a ball; the next two leave them out.
         residual: Landing error of the repeated movement, its median over runs [m].
         floor: Part of it that the disturbance sets, its median over runs [m].
         held: Share of repeats that succeed, on average.
@@ -61,6 +62,7 @@ class ConditionResult:
     percentile_90: float | None
     wasted: float
     unreachable: float
+    lost: int
     residual: float
     floor: float
     held: float
@@ -157,7 +159,8 @@ def summary(result: ConditionResult) -> str:
         f"({result.learned_low:.0%} to {result.learned_high:.0%}), median trial {median}, 90th "
         f"percentile {tenth}; {result.wasted:.1f} exploration trials wasted; afterwards "
         f"{100 * result.residual:.1f} cm from the goal, of which the disturbance alone makes "
-        f"{100 * result.floor:.1f} cm; {result.held:.0%} of repeats succeed"
+        f"{100 * result.floor:.1f} cm ({result.lost} runs end with a ball that never lands); "
+        f"{result.held:.0%} of repeats succeed"
     )
 
 
@@ -177,8 +180,8 @@ def _result(name: str, runs: pd.DataFrame) -> ConditionResult:
     median, percentile_90 = np.percentile(learned_at, [50, 90], method="higher")
     interval = binomtest(int(learned.sum()), len(runs)).proportion_ci(_CONFIDENCE, "wilson")
     spreads = np.array([_spread(row) for _, row in runs.iterrows()])  # (n, 3)
-    known = ~np.all(np.isnan(spreads), axis=1)
-    residual, floor = np.nanmedian(spreads[known, :2], axis=0) if known.any() else (np.nan,) * 2
+    landed = ~np.isnan(spreads[:, 1])
+    residual, floor = np.median(spreads[landed, :2], axis=0) if landed.any() else (np.nan,) * 2
     return ConditionResult(
         condition=name,
         runs=len(runs),
@@ -190,9 +193,10 @@ def _result(name: str, runs: pd.DataFrame) -> ConditionResult:
         percentile_90=float(percentile_90) if np.isfinite(percentile_90) else None,
         wasted=float(runs["wasted"].mean()),
         unreachable=float(np.mean([_unreachable(row) for _, row in runs.iterrows()])),
+        lost=int(np.sum(np.isnan(spreads[:, 1]))),
         residual=float(residual),
         floor=float(floor),
-        held=float(np.nanmean(spreads[:, 2])) if known.any() else np.nan,
+        held=float(np.mean(spreads[:, 2])),
     )
 
 
@@ -202,10 +206,10 @@ def _trials_to_learn(runs: pd.DataFrame) -> pd.Series:
 
 
 def _spread(row: pd.Series) -> tuple[float, float, float]:
-    """Residual error, floor [m] and share of successes of a run's repeats; NaN without any."""
+    """Residual error and floor [m], NaN if nothing landed, and share of successes of repeats."""
     landings = [point for point in listed(row["repeated_T_G"]) if point is not None]
     successes = listed(row["repeated_success"])
-    held = float(np.mean(successes)) if len(successes) else np.nan
+    held = float(np.mean(successes)) if successes else 0.0  # a run that raised holds nothing
     if not landings:
         return np.nan, np.nan, held
     points = np.array([list(point) for point in landings], dtype=np.float64)  # (n, 2)

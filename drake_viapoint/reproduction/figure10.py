@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from drake_viapoint.reproduction.disturbed_serve import check_columns
-from drake_viapoint.reproduction.run_curves import curves, runs_of, stages
+from drake_viapoint.reproduction.run_curves import LEARNED, REFUSED, curves, runs_of, stages
 
-_CURVES = {
-    "d": ("k", "ball to racket centre, $d$"),
-    "landing_error": ("tab:blue", "ball to goal, $|T_{Gd} - T_G|$"),
-}
+_D = "k", "ball to racket centre, $d$"
+_LANDING = "tab:blue", "ball to goal, $|T_{Gd} - T_G|$"
 _STAGES = {
     "exploring J_H": ("0.75", "exploring $J_H$"),
     "learning subtask 1": ("0.45", "learning subtask 1"),
     "exploring J_G": ("#b8d4ec", "exploring $J_G$"),
     "learning subtask 2": ("tab:blue", "learning subtask 2"),
-    "learned": ("tab:green", "learned, repeated"),
+    LEARNED: ("tab:green", "learned, repeated"),
+    REFUSED: ("tab:red", "out of the arm's reach"),
 }
 _FARTHEST = 0.8  # [m] shown
 
@@ -56,8 +56,11 @@ def draw(
     for number, condition in enumerate(conditions):
         curve, strip = panels[2 * number : 2 * number + 2]
         runs = runs_of(table, condition)
-        for field, (colour, label) in _CURVES.items():
-            _draw_curves(curve, curves(runs, field, trials), colour, label)
+        d = curves(runs, "d", trials)
+        landing = curves(runs, "landing_error", trials)
+        landing[np.isnan(landing) & ~np.isnan(d)] = np.inf  # farther off than any that landed
+        _draw_curves(curve, d, *_D)
+        _draw_curves(curve, landing, *_LANDING)
         curve.axhline(meeting_tolerance, color="k", linestyle=":", linewidth=0.9)
         curve.axhline(landing_tolerance, color="tab:blue", linestyle=":", linewidth=0.9)
         curve.set_ylim(0, _FARTHEST)
@@ -67,7 +70,8 @@ def draw(
         curve.set_title(f"{title}: {learned:.0%} of {len(runs)} runs learned", fontsize=10)
         _draw_stages(strip, runs, trials)
     panels[0].legend(fontsize=8, loc="upper right", ncols=2)
-    panels[1].legend(fontsize=6, loc="center right", ncols=5)
+    handles, labels = panels[1].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=7, loc="outside lower center", ncols=len(labels))
     panels[-1].set_xlabel(
         "trial (thin: single runs, thick: median, band: quartiles; dotted: what a success must "
         "stay below)"
@@ -76,23 +80,19 @@ def draw(
     return figure
 
 
-def _draw_curves(ax: Any, values: Any, colour: str, label: str) -> None:
+def _draw_curves(ax: Any, values: NDArray[np.float64], colour: str, label: str) -> None:
+    """Single runs, median and quartiles of the runs that made each trial."""
     number = np.arange(1, values.shape[1] + 1)
-    ax.plot(number, values.T, color=colour, linewidth=0.3, alpha=0.15)
-    # a ball that did not land is farther off than any that did
-    low, median, high = np.percentile(
-        np.where(np.isnan(values), np.inf, values), [25, 50, 75], axis=0, method="nearest"
+    ax.plot(number, values.T, color=colour, lw=0.3, alpha=min(0.6, 0.12 + 2.0 / len(values)))
+    made = ~np.all(np.isnan(values), axis=0)
+    low, median, high = np.full((3, number.size), np.nan)
+    low[made], median[made], high[made] = np.nanpercentile(
+        values[:, made], [25, 50, 75], axis=0, method="nearest"
     )
-    shown = np.isfinite(median)
-    ax.fill_between(
-        number[shown],
-        low[shown],
-        np.minimum(high[shown], 10 * _FARTHEST),
-        color=colour,
-        alpha=0.25,
-        linewidth=0,
-    )
-    ax.plot(number[shown], median[shown], color=colour, linewidth=1.8, label=label)
+    median[np.isinf(median)] = np.nan  # a gap
+    high = np.minimum(high, 10 * _FARTHEST)
+    ax.fill_between(number, low, high, where=np.isfinite(low), color=colour, alpha=0.25, lw=0)
+    ax.plot(number, median, color=colour, linewidth=1.8, label=label)
 
 
 def _draw_stages(ax: Any, runs: pd.DataFrame, trials: int) -> None:

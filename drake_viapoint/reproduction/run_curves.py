@@ -13,6 +13,9 @@ from drake_viapoint.runs.study import REPEATED
 LEARNED = "learned"
 """What a run's trials are for once there is nothing left to learn."""
 
+REFUSED = "refused"
+"""A trial that the arm could not make; it counts all the same."""
+
 STAGES = {
     ("exploration", "throw"): "exploring J_H",
     ("learning", "throw"): "learning subtask 1",
@@ -49,21 +52,23 @@ def stages(runs: pd.DataFrame, names: tuple[str, ...], trials: int) -> NDArray[n
 
     Args:
         runs: Rows of a sweep's table.
-        names: Of ``STAGES``.
+        names: The values of ``STAGES``, and ``REFUSED``.
         trials: How many to show.
     """
     counts = np.zeros((len(names), trials))
     for _, row in runs.iterrows():
-        purposes = zip(listed(row["purpose"]), listed(row["subtask"]), strict=True)
-        made = [STAGES[str(purpose), str(subtask)] for purpose, subtask in purposes]
-        repeated = [LEARNED] * len(listed(row[REPEATED + "d"])) if _is_learned(row) else []
+        made = [
+            REFUSED if d is None or np.isnan(d) else STAGES[str(purpose), str(subtask)]
+            for purpose, subtask, d in zip(
+                listed(row["purpose"]), listed(row["subtask"]), listed(row["d"]), strict=True
+            )
+        ]
+        repeated = (
+            [LEARNED] * len(listed(row[REPEATED + "d"])) if pd.notna(row["learned_at"]) else []
+        )
         for trial, stage in enumerate([*made, *repeated][:trials]):
             counts[names.index(stage), trial] += 1
     return counts / max(1, len(runs))
-
-
-def _is_learned(row: pd.Series) -> bool:
-    return bool(pd.notna(row["learned_at"]))
 
 
 def listed(cell: Any) -> list[Any]:

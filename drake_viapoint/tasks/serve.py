@@ -68,37 +68,38 @@ class ServeTask:
             rotation_threshold=scenario.robot.rotation_threshold,
         )
         self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
-        self._last: _Swung | None = None
+        self._last: tuple[ViaPoints, _Swung | RefusedTrial] | None = None
 
     def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial | RefusedTrial:
         """Execute one serve; refused if the arm cannot follow these via-points.
 
         The seed is that of the ball's disturbance.
         """
-        try:
-            swung = self._swung(via_points)
-        except UnreachableError as error:
-            return RefusedTrial(str(error), ("d", THROW, STRIKE))
+        swung = self._swung(via_points)
+        if isinstance(swung, RefusedTrial):
+            return swung
         return self.execution.follow(swung.movement, swung.swing, seed)
 
     def outcome(self, record: dict[str, Any]) -> Outcome:
         """What the learner is told of a recorded serve."""
         return serve_outcome(record)
 
-    def _swung(self, via_points: ViaPoints) -> _Swung:
+    def _swung(self, via_points: ViaPoints) -> _Swung | RefusedTrial:
         """What the arm does; it does the same for the same via-points, so not again in repeats."""
-        last = self._last
-        if last is None or last.via_points != via_points:
-            movement = self.retargeting(via_points)
-            last = _Swung(via_points, movement, self.execution.swing(movement))
-            self._last = last
-        return last
+        if self._last is None or self._last[0] != via_points:
+            try:
+                movement = self.retargeting(via_points)
+            except UnreachableError as error:
+                refused = RefusedTrial(str(error), ("d", THROW, STRIKE))
+                self._last = via_points, refused
+            else:
+                self._last = via_points, _Swung(movement, self.execution.swing(movement))
+        return self._last[1]
 
 
 class _Swung(NamedTuple):
-    """What the arm did last."""
+    """What the arm did."""
 
-    via_points: ViaPoints
     movement: JointMovement
     swing: Swing
 

@@ -137,6 +137,6 @@ def _flat(frame: pd.DataFrame) -> pd.DataFrame:
     lists = {
         name: column.map(json.dumps)
         for name, column in frame.items()
-        if column.map(lambda value: isinstance(value, list)).any()
+        if any(isinstance(value, list) for value in column)
     }
     return frame.assign(**{str(name): column for name, column in lists.items()})

@@ -69,7 +69,8 @@ def joblib_results(
         with _interrupt_blocked():  # processes and threads inherit it: Ctrl-C is for this thread
             results = parallel(delayed(execute)(work, run) for run in runs)
         try:
-            yield from results
+            for result in results:  # noqa: UP028 - `yield from` would close it by itself
+                yield result
         except death as error:
             raise WorkerDiedError(str(error)) from error
         except GeneratorExit:

@@ -65,7 +65,7 @@ class ClusterWorkers:
         except (ViapointError, WorkerDiedError, OSError):
             raise
         except Exception as error:
-            raise _fault(self.address, f"a worker failed: {_said(error)}") from error
+            raise _fault(self.address, f"or a worker of it failed: {_said(error)}") from error
 
 
 @contextmanager
@@ -121,6 +121,10 @@ async def _kind(address: str) -> str:
 
 
 def _check_workers(address: str, client: Any) -> None:
+    try:
+        client.run_on_scheduler(importlib.import_module, package)
+    except Exception as error:  # what another environment can lack has no kind of its own
+        raise _fault(address, f"needs the package, too, to pass runs on: {_said(error)}") from error
     try:
         client.wait_for_workers(1, timeout=_COME)
     except TimeoutError as error:

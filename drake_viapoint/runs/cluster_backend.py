@@ -23,6 +23,10 @@ class ClusterBackend(DaskDistributedBackend):
     is gone (joblib 1.5).
     """
 
+    def effective_n_jobs(self, n_jobs: int) -> int:
+        """Threads of the workers, but never 1: joblib would do all runs in its own process."""
+        return max(2, int(super().effective_n_jobs(n_jobs)))
+
     def submit(self, func: Any, callback: Callable[[Any], Any] | None = None) -> Any:
         """Submit a batch of tasks."""
         future = super().submit(func, callback)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from small_studies import rows_in, study_file
 
 from drake_viapoint import cli
 from drake_viapoint.demonstration.c3d import write_c3d
@@ -26,6 +27,7 @@ from drake_viapoint.demonstration.markers import read_markers
 from drake_viapoint.packages import resolve
 from drake_viapoint.runs import task_run
 from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, read_trials
+from drake_viapoint.runs.study_table import read_table
 from drake_viapoint.tasks.pendulum import PendulumMotion, Recurrence
 
 SERVE = resolve("package://drake_viapoint/demonstrations/serve.c3d")
@@ -800,3 +802,95 @@ def test_components_of_a_run(command: Callable[..., Answer], run: Path, tmp_path
         command(*line, *bad).refuses("must be positive")
     command("components", tmp_path, "--out", tmp_path / "found").refuses("holds no run")
     assert not (tmp_path / "found").exists()
+
+
+# ---------------------------------------------------------------------------------------- sweeps
+
+
+def test_sweep_as_its_help_says(command: Callable[..., Answer], tmp_path: Path) -> None:
+    study = study_file(tmp_path / "study.yaml")
+    line = ("sweep", study, "--out", "out", "--workers", "1")
+    answer = command(*line, "--csv")
+    assert (answer.code, answer.err) == (0, "")
+    *_, fixed, recorded, last = answer.out.splitlines()
+    assert fixed.startswith("fixed     learned 0 of 6 within 12 trials")
+    assert recorded.startswith("recorded  learned ")
+    assert last == "table in out/table.parquet, runs in out/runs"
+    before = (tmp_path / "out" / "results.jsonl").read_bytes()
+    assert command(*line).out.splitlines()[-3:] == [fixed, recorded, last]
+    assert (tmp_path / "out" / "results.jsonl").read_bytes() == before
+    bare = command("sweep", study, "--out", "bare", "--workers", "1", "--no-folders")
+    assert bare.out.splitlines()[-1] == "table in bare/table.parquet"
+    assert {path.name for path in (tmp_path / "bare").iterdir()} == {
+        "results.jsonl",
+        "table.parquet",
+    }
+
+
+def test_a_sweep_with_errors_says_how_many(command: Callable[..., Answer], tmp_path: Path) -> None:
+    study = study_file(tmp_path / "study.yaml", vary={"time_step": [0.03]})
+    answer = command("sweep", study, "--out", "out", "--workers", "1")
+    assert answer.code == 0
+    assert "fixed     learned 0 of 1 within 12 trials, 1 ended with an error" in answer.out
+
+
+def test_bad_sweeps_are_one_line_and_leave_no_folder(
+    command: Callable[..., Answer], tmp_path: Path
+) -> None:
+    def refused(*words: str, **changes: object) -> None:
+        study = study_file(tmp_path / "study.yaml", **changes)
+        command("sweep", study, "--out", "out").refuses("study.yaml", *words)
+        assert not (tmp_path / "out").exists()
+
+    refused("vary: sed", "unknown", vary={"sed": [1]})
+    refused("vary: seed", "at least one", vary={"seed": []})
+    refused("conditions", "at least one", conditions={})
+    refused("max_trials", "0", max_trials=0)
+    study = study_file(tmp_path / "study.yaml")
+    line = ("sweep", study, "--out", "out")
+    command(*line, "--workers", "0").refuses("0")
+    command(*line, "--workers", "2", "--scheduler", "tcp://x:1").refuses("either")
+    command(*line, "--scheduler", "nonsense").refuses("nonsense", "address")
+    command("sweep", tmp_path / "nowhere.yaml", "--out", "out").refuses("nowhere.yaml")
+    assert not (tmp_path / "out").exists()
+    (tmp_path / "file").write_text("")
+    command("sweep", study, "--out", tmp_path / "file" / "out").refuses("cannot be written")
+
+
+def test_a_folder_with_another_study(command: Callable[..., Answer], tmp_path: Path) -> None:
+    study = study_file(tmp_path / "study.yaml", vary={"seed": [0]})
+    line = ("sweep", study, "--out", "out", "--workers", "1")
+    assert command(*line).code == 0
+    before = {path: path.read_bytes() for path in (tmp_path / "out").rglob("*.*") if path.is_file()}
+    study_file(study, vary={"seed": [0]}, max_trials=13)
+    command(*line).refuses("table.parquet", "holds another study")
+    study_file(study, vary={"seed": [1]})
+    command(*line).refuses("results.jsonl", "runs that are not in this study", "seed0")
+    (tmp_path / "out" / "table.parquet").write_text("thesis")
+    study_file(study, vary={"seed": [0]})
+    command(*line).refuses("table.parquet", "not a sweep's table")
+    (tmp_path / "out" / "table.parquet").write_bytes(before[tmp_path / "out" / "table.parquet"])
+    assert before == {path: path.read_bytes() for path in before}
+
+
+def test_ctrl_c_on_a_sweep_goes_on_later(tmp_path: Path) -> None:
+    """As a terminal sends it: to the workers, too, which have nothing to say to it."""
+    study = study_file(tmp_path / "study.yaml", vary={"seed": {"from": 0, "to": 30}})
+    line = [COMMAND, "sweep", study, "--out", tmp_path / "out", "--workers", "2"]
+    running = subprocess.Popen(
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    results = tmp_path / "out" / "results.jsonl"
+    while not results.exists() or results.read_bytes().count(b"\n") < 4:
+        assert running.poll() is None
+        time.sleep(0.01)
+    os.killpg(running.pid, signal.SIGINT)
+    _, err = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert err == "drake-viapoint: interrupted; the same command goes on from here\n"
+    done = results.read_bytes()
+    assert len(read_table(tmp_path / "out")) == done.count(b"\n") - 1
+    again = process(*line[1:])
+    assert (again.code, again.err) == (0, "")
+    assert results.read_bytes().startswith(done)
+    assert len(rows_in(tmp_path / "out")) == len(read_table(tmp_path / "out")) == 62

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drake_viapoint.errors import RunFolderError
-from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, RunFolder, read_trials
+from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, RunFolder, read_trials, write_run
 
 
 class Killed(BaseException):
@@ -264,3 +264,25 @@ def test_a_disk_that_is_full_from_the_start(tmp_path: Path) -> None:
     (tmp_path / "run" / ".scenario.yaml").symlink_to("/dev/full")
     with pytest.raises(RunFolderError, match="No space left on device"):
         RunFolder.create(tmp_path / "run", "task: toy\n")
+
+
+def test_a_run_written_in_one_go_is_the_same_run(tmp_path: Path) -> None:
+    records = a_run(tmp_path / "appended")
+    write_run(tmp_path / "new" / "whole", "task: toy\n", records)
+    a_run(tmp_path / "part", trials=1)
+    (tmp_path / ".part").mkdir()  # cut short before
+    write_run(tmp_path / "part", "task: toy\n", records)
+    for path in (tmp_path / "new" / "whole", tmp_path / "part"):
+        assert {entry.name for entry in path.parent.iterdir()} <= {
+            "whole",
+            "part",
+            "appended",
+            "new",
+        }
+        for name in (SCENARIO, TRIALS):
+            assert (path / name).read_bytes() == (tmp_path / "appended" / name).read_bytes()
+        with RunFolder.open(path) as folder:
+            folder.append(trial(4))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunFolderError, match="cannot be written"):
+        write_run(tmp_path / "file" / "run", "", records)

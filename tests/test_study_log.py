@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_viapoint.errors import RunFolderError
+from drake_viapoint.errors import FolderHeldError, RunFolderError
 from drake_viapoint.runs.study_log import StudyLog
 
 STUDY = {"versions": {"drake": "1"}, "persons": [1, 2]}
@@ -65,3 +65,13 @@ def test_a_disk_that_fills_or_a_place_that_cannot_be(
         with pytest.raises(RunFolderError, match="No space left on device"):
             log.append({"person": 1})
         assert log.rows == []
+
+
+def test_one_process_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "study.jsonl"
+    with StudyLog(path, STUDY) as log:
+        with pytest.raises(FolderHeldError, match=r"study.jsonl: another process is writing"):
+            StudyLog(path, STUDY)
+        log.append({"person": 1})
+    with StudyLog(path, STUDY) as log:
+        assert log.rows == [{"person": 1}]

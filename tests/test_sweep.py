@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -246,19 +246,18 @@ def test_a_sweep_killed_goes_on(many: tuple[Path, Path], tmp_path: Path) -> None
     """With SIGKILL, and not its workers: they end by themselves."""
     file, out = many
     line = [COMMAND, "sweep", file, "--out", tmp_path, "--workers", "2"]
-    for number in (3, 12):
-        running = psutil.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        before = b""
-        while before.count(b"\n") <= number:
-            assert running.poll() is None
-            time.sleep(0.005)
-            with contextlib.suppress(FileNotFoundError):
-                before = (tmp_path / RESULTS).read_bytes()
-        workers = workers_of(running)
-        assert workers
-        running.kill()
-        running.wait()
-        before = before[: before.rfind(b"\n") + 1]
+    running = psutil.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    before = b""
+    while before.count(b"\n") <= 5:
+        assert running.poll() is None
+        time.sleep(0.005)
+        with contextlib.suppress(FileNotFoundError):
+            before = (tmp_path / RESULTS).read_bytes()
+    workers = workers_of(running)
+    assert len(workers) == 2
+    running.kill()
+    running.wait()
+    before = before[: before.rfind(b"\n") + 1]
     again = subprocess.run(line, check=False, capture_output=True, text=True)
     assert (again.returncode, again.stderr) == (0, "")
     assert (tmp_path / RESULTS).read_bytes().startswith(before), "what is done is not done again"
@@ -277,16 +276,42 @@ def test_a_run_that_kills_its_workers_is_a_row(
     serial: tuple[Study, Path, pd.DataFrame], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, out, _ = serial
-    vary = {**SMALL["vary"], "demonstration.person": [0, 1]}
+    vary = {**SMALL["vary"], "demonstration.person": [0]}
     study = small_study(tmp_path, vary=vary)
     monkeypatch.setattr(workers_module, "execute", deadly)
+    monkeypatch.setattr(workers_module, "_DEATHS", 2)
     table = sweep(study, tmp_path / "out", LocalWorkers(2))
     died = table[table["error"].notna()]
-    assert [(row["condition"], row["seed"]) for _, row in died.iterrows()] == [("fixed", 7)] * 2
-    assert died["error"].tolist() == ["its worker died, time and again"] * 2
+    assert [(row["condition"], row["seed"]) for _, row in died.iterrows()] == [("fixed", 7)]
+    assert died["error"].tolist() == ["its worker died, time and again"]
     sound = {name: row for name, row in rows_in(tmp_path / "out").items() if not row["error"]}
-    assert len(sound) == 6
+    assert len(sound) == 3
     assert all(rows_in(out)[name] == row for name, row in sound.items())
+
+
+def test_conditions_of_a_person_go_to_one_worker_where_there_are_persons_enough(
+    tmp_path: Path,
+) -> None:
+    """Their demonstration is watched once; every run still has a row and a folder of its own."""
+    persons = {"demonstration.person": {"from": 0, "to": 7}}
+    study = small_study(tmp_path, vary=persons, max_trials=1, repeats=0)
+    handed: list[list[str]] = []
+
+    class Watched(LocalWorkers):
+        def results(self, work: StudyWork, groups: Iterable[Sequence[StudyRun]]) -> Any:
+            kept = list(groups)
+            handed.extend([run.name for run in group] for group in kept)
+            return super().results(work, kept)
+
+    sweep(study, tmp_path / "two", Watched(2))
+    names = [run.name for run in study.runs()]
+    assert handed == [names[i : i + 2] for i in range(0, 16, 2)]
+    sweep(study, tmp_path / "one", LocalWorkers(1))
+    same(tmp_path / "two", tmp_path / "one")
+    for out, options in (("three", Watched(3)), ("bare", Watched(2))):
+        handed.clear()
+        sweep(study, tmp_path / out, options, folders=out != "bare")
+        assert handed == [[name] for name in names]
 
 
 class FragileWorkers:
@@ -298,8 +323,8 @@ class FragileWorkers:
         self.deadly = deadly
         self.tried: list[list[str]] = []
 
-    def results(self, _: StudyWork, runs: Iterable[StudyRun]) -> Iterator[StudyResult]:
-        feed = iter(runs)
+    def results(self, _: StudyWork, groups: Iterable[Sequence[StudyRun]]) -> Iterator[StudyResult]:
+        feed = itertools.chain.from_iterable(groups)
         names: list[str] = []
         self.tried.append(names)
         while in_hand := list(itertools.islice(feed, 3)):

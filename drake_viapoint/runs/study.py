@@ -8,7 +8,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 ONLY_CONDITION = "all"
@@ -86,6 +86,10 @@ class Study:
             values = dict(zip(self.varied, (*step, *combination), strict=True))
             for condition, changes in self.conditions.items():
                 yield StudyRun(condition, values, {**changes, **values})
+
+    def without_runs(self) -> Study:
+        """The same without what varies: a message to a worker is not to grow with the study."""
+        return replace(self, vary={}, together={})
 
     def identity(self, versions: Mapping[str, str]) -> dict[str, Any]:
         """What every row depends on beside the changes of its own run.

@@ -46,7 +46,7 @@ class StudyWork:
     """What all runs of a study have in common; with a run it is the message to a worker.
 
     Attributes:
-        study: What is run.
+        study: What is run. What varies is said by each run, see ``Study.without_runs``.
         versions: Of the process that asks; a worker of others refuses.
         folder: Where the worker keeps the runs' folders; None to keep trials in memory.
         send_trials: Whether trials come back with the row, for who asks to keep.

@@ -61,7 +61,7 @@ def sweep(
     check_table(out, identity)
     local = isinstance(workers, LocalWorkers)
     work = StudyWork(
-        study,
+        study.without_runs(),
         identity["versions"],
         folder=str((out / RUNS).absolute()) if folders and local else None,
         send_trials=folders and not local,

@@ -6,8 +6,9 @@ import contextlib
 import logging
 import signal
 from collections import Counter
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from itertools import groupby
 from multiprocessing import resource_tracker
 from typing import Protocol
 
@@ -17,6 +18,7 @@ from joblib.externals.loky.process_executor import ShutdownExecutorError
 from drake_viapoint.runs.study import StudyRun
 from drake_viapoint.runs.study_run import StudyResult, StudyWork, execute, row_without_result
 
+_GROUPS = 4  # for each worker, at least, where runs are grouped
 _DEATHS = 3  # of workers that had a run in hand, before it is tried alone
 
 
@@ -33,9 +35,9 @@ class Workers(Protocol):
         ...
 
     def results(
-        self, work: StudyWork, runs: Iterable[StudyRun]
+        self, work: StudyWork, groups: Iterable[Sequence[StudyRun]]
     ) -> Generator[StudyResult, None, None]:
-        """Execute runs, in any order; results come as they land.
+        """Execute runs, in any order; results come as they land, a group at a time.
 
         Raises:
             WorkerDiedError: A worker died. What it had in hand is lost.
@@ -54,29 +56,40 @@ class LocalWorkers:
         self.number = number
 
     def results(
-        self, work: StudyWork, runs: Iterable[StudyRun]
+        self, work: StudyWork, groups: Iterable[Sequence[StudyRun]]
     ) -> Generator[StudyResult, None, None]:
         """See ``Workers``."""
         parallel = Parallel(n_jobs=self.number, backend="loky", return_as="generator_unordered")
-        return joblib_results(parallel, work, runs, BrokenProcessPool)
+        return joblib_results(parallel, work, groups, BrokenProcessPool)
 
 
 def joblib_results(
-    parallel: Parallel, work: StudyWork, runs: Iterable[StudyRun], death: type[BaseException]
+    parallel: Parallel,
+    work: StudyWork,
+    groups: Iterable[Sequence[StudyRun]],
+    death: type[BaseException],
 ) -> Generator[StudyResult, None, None]:
     """Results of joblib's workers; they are stopped if the iterator is closed before its end."""
     with _quiet():
         with _interrupt_blocked():  # processes and threads inherit it: Ctrl-C is for this thread
-            results = parallel(delayed(execute)(work, run) for run in runs)
+            results = parallel(delayed(_in_turn)(execute, work, group) for group in groups)
         try:
-            for result in results:  # noqa: UP028 - `yield from` would close it by itself
-                yield result
+            for group in results:
+                yield from group
         except death as error:
             raise WorkerDiedError(str(error)) from error
         except GeneratorExit:
             with contextlib.suppress(KeyboardInterrupt):  # closing it would warn of what is lost
                 results.throw(KeyboardInterrupt())
             raise
+
+
+def _in_turn(
+    execute_one: Callable[[StudyWork, StudyRun], StudyResult],
+    work: StudyWork,
+    group: Sequence[StudyRun],
+) -> list[StudyResult]:
+    return [execute_one(work, run) for run in group]
 
 
 def results_despite_deaths(
@@ -93,10 +106,9 @@ def results_despite_deaths(
         for name in [name for name in waiting if deaths[name] >= _DEATHS]:
             yield from _alone(workers, work, waiting.pop(name))
         in_hand: set[str] = set()
+        groups = _groups(list(waiting.values()), work, workers.number)
         try:
-            with contextlib.closing(
-                workers.results(work, _handed_out(list(waiting.values()), in_hand))
-            ) as results:
+            with contextlib.closing(workers.results(work, _handed_out(groups, in_hand))) as results:
                 for result in results:
                     name = result.row["run"]
                     in_hand.discard(name)
@@ -110,15 +122,32 @@ def _alone(workers: Workers, work: StudyWork, run: StudyRun) -> Generator[StudyR
     # Never in this process, whatever the number of workers
     others = LocalWorkers(2) if isinstance(workers, LocalWorkers) else workers
     try:
-        yield from others.results(work, [run])
+        yield from others.results(work, [(run,)])
     except WorkerDiedError:
         yield StudyResult(row_without_result(work.study, run, "its worker died, time and again"))
 
 
-def _handed_out(runs: Iterable[StudyRun], in_hand: set[str]) -> Iterator[StudyRun]:
-    for run in runs:
-        in_hand.add(run.name)
-        yield run
+def _groups(
+    runs: Sequence[StudyRun], work: StudyWork, workers: int
+) -> Sequence[Sequence[StudyRun]]:
+    """Runs that one worker does one after the other.
+
+    The conditions of one person share a demonstration, which takes half as long to watch as a run
+    to make. Only where every run has a folder, so that nothing is lost with a group, and where
+    there are groups enough to keep all workers busy to the end.
+    """
+    together = [tuple(group) for _, group in groupby(runs, lambda run: run.values)]
+    if work.folder is None or len(together) < _GROUPS * workers:
+        return [(run,) for run in runs]
+    return together
+
+
+def _handed_out(
+    groups: Iterable[Sequence[StudyRun]], in_hand: set[str]
+) -> Iterator[Sequence[StudyRun]]:
+    for group in groups:
+        in_hand.update(run.name for run in group)
+        yield group
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ import asyncio
 import importlib
 import logging
 import warnings
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
@@ -44,7 +44,7 @@ class ClusterWorkers:
         return max(1, sum(map(int, self._client.ncores().values())))
 
     def results(
-        self, work: StudyWork, runs: Iterable[StudyRun]
+        self, work: StudyWork, groups: Iterable[Sequence[StudyRun]]
     ) -> Generator[StudyResult, None, None]:
         """See ``Workers``.
 
@@ -61,7 +61,7 @@ class ClusterWorkers:
             return_as="generator_unordered",
         )
         try:
-            yield from joblib_results(parallel, work, runs, KilledWorker)
+            yield from joblib_results(parallel, work, groups, KilledWorker)
         except (ViapointError, WorkerDiedError, OSError):
             raise
         except Exception as error:

@@ -249,7 +249,7 @@ def test_whatever_stops_a_command_is_one_line(
     code: int,
     words: str,
 ) -> None:
-    def stopped(*_: object) -> None:
+    def stopped(*_: object, **__: object) -> None:
         raise error
 
     monkeypatch.setattr("drake_viapoint.reproduction.reproduce.reproduce", stopped)
@@ -262,7 +262,7 @@ def test_whatever_stops_a_command_is_one_line(
 def test_a_mistake_of_ours_keeps_its_traceback(
     command: Callable[..., Answer], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def unfinished(*_: object) -> None:
+    def unfinished(*_: object, **__: object) -> None:
         raise NotImplementedError
 
     monkeypatch.setattr("drake_viapoint.reproduction.reproduce.reproduce", unfinished)

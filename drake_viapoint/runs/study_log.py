@@ -55,11 +55,12 @@ class StudyLog:
         Raises:
             RunFolderError: It could not be written.
         """
+        self.rows.append(row)  # first, as Ctrl-C may come once it is on the disk
         try:
             self._write(row)
         except OSError as error:
+            self.rows.pop()
             raise RunFolderError(self.path, f"cannot be written: {error.strerror}") from error
-        self.rows.append(row)
 
     def __enter__(self) -> StudyLog:
         """Nothing more to do: the file is open."""

@@ -16,6 +16,7 @@ from drake_viapoint.runs.study_table import (
     TABLE,
     check_table,
     condition_summaries,
+    never_given,
     read_table,
     table_of,
     write_table,
@@ -97,8 +98,11 @@ def test_a_table_of_another_study_is_left_alone(tmp_path: Path) -> None:
         check_table(tmp_path, STUDY)
     with pytest.raises(StudyError, match="cannot be read"):
         read_table(tmp_path)
-    with pytest.raises(StudyError, match="cannot be read"):
+    with pytest.raises(StudyError, match=r"nowhere: holds no sweep: there is no nowhere"):
         read_table(tmp_path / "nowhere")
+    (tmp_path / TABLE).unlink()
+    with pytest.raises(StudyError, match=r"holds no sweep: there is no table.parquet"):
+        read_table(tmp_path)
 
 
 def test_a_table_that_cannot_be_written(tmp_path: Path) -> None:
@@ -108,6 +112,16 @@ def test_a_table_that_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"table.parquet: cannot be written"):
         write_table(table(row(0), row(1)), tmp_path)
     assert (tmp_path / TABLE).read_bytes() == before
+
+
+def test_a_field_that_no_trial_gave_is_named() -> None:
+    columns = ("good", "late", "never", "text")
+    made = [
+        {"good": [1.0], "late": None, "never": [None], "text": [[1], 2]},
+        {"good": [None], "late": [None, 2.0], "never": [], "text": []},
+        {"good": None, "late": [None], "never": None, "text": None},
+    ]
+    assert never_given(table_of(made, columns, STUDY), columns) == ["never"]
 
 
 def test_a_line_a_condition() -> None:

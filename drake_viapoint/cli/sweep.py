@@ -58,7 +58,7 @@ def sweep(
         raise click.UsageError("give either --workers or --scheduler")
     with importing():
         from drake_viapoint.runs.study_file import read_study
-        from drake_viapoint.runs.study_table import TABLE, condition_summaries
+        from drake_viapoint.runs.study_table import TABLE, condition_summaries, never_given
         from drake_viapoint.runs.sweep import sweep as sweep_study
 
     with (
@@ -82,6 +82,8 @@ def sweep(
         table = sweep_study(asked, out, hands, folders=not no_folders, csv=csv, on_rows=show)
     for line in condition_summaries(table, asked.max_trials):
         click.echo(line)
+    for name in never_given(table, asked.tabulate):
+        click.echo(f"no trial gave {name}: is that what it is called?")
     runs = "" if no_folders else f", runs in {out / 'runs'}"
     click.echo(f"table in {out / TABLE}{runs}")
 

@@ -75,6 +75,8 @@ def read_table(path: Path) -> pd.DataFrame:
         StudyError: It cannot be read, or is no sweep's.
     """
     file = path / TABLE if path.is_dir() else path
+    if not file.is_file():
+        raise StudyError(path, f"holds no sweep: there is no {file.name}")
     try:
         frame = pd.read_parquet(file)
     except (OSError, pa.ArrowException, ValueError) as error:
@@ -100,6 +102,15 @@ def check_table(folder: Path, study: Mapping[str, Any]) -> None:
         raise StudyError(file, f"is not a sweep's table: {error}") from error
     if attributes.get(_STUDY) != json.loads(canonical(study)):
         raise StudyError(file, "holds another study; name another folder")
+
+
+def never_given(frame: pd.DataFrame, fields: Sequence[str]) -> list[str]:
+    """Which tabulated fields no trial of any run gave: most likely misspelt."""
+    return [name for name in fields if all(_is_empty(cell) for cell in frame[name])]
+
+
+def _is_empty(cell: Any) -> bool:
+    return not hasattr(cell, "__len__") or all(value is None for value in cell)
 
 
 def condition_summaries(frame: pd.DataFrame, max_trials: int) -> list[str]:

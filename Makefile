@@ -28,7 +28,7 @@ test: $(ready)
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 	$(bin)/mypy
-	$(bin)/python -m pytest -q --numprocesses auto --dist loadfile
+	$(bin)/python -m pytest -q --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 setup: $(ready)
 

@@ -247,28 +247,36 @@ def test_a_scheduler_without_workers(alone: str, monkeypatch: pytest.MonkeyPatch
         pass
 
 
-@pytest.mark.parametrize("kind", ["silent", "closed"])
-def test_a_scheduler_that_does_not_answer(kind: str, tmp_path: Path) -> None:
+def test_a_scheduler_that_does_not_answer(tmp_path: Path) -> None:
     """Five seconds, one line, and nothing on the disk."""
     file = tmp_path / "study.yaml"
     small_study(tmp_path)
     with socket.socket() as bound:
         bound.bind(("127.0.0.1", 0))
-        if kind == "silent":
-            bound.listen()
+        bound.listen()
         address = f"tcp://127.0.0.1:{bound.getsockname()[1]}"
-        start = time.monotonic()
         done = subprocess.run(
             [COMMAND, "sweep", file, "--out", tmp_path / "out", "--scheduler", address],
             check=False,
             capture_output=True,
             text=True,
+            timeout=60,
         )
-        taken = time.monotonic() - start
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"drake-viapoint: scheduler {address} does not answer within 5 s\n"
-    assert taken < 15, "5 s, and the imports"
     assert not (tmp_path / "out").exists()
+
+
+def test_a_port_where_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_ANSWER", 0.3)
+    with socket.socket() as bound:
+        bound.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{bound.getsockname()[1]}"
+        with (
+            pytest.raises(ClusterError, match=rf"{address} does not answer within 0.3 s"),
+            cluster_workers(address),
+        ):
+            pass
 
 
 @pytest.mark.parametrize("address", ["", "nonsense", "foo://x:1", "tcp://x:y", "inproc://x"])

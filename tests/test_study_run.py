@@ -26,6 +26,7 @@ from drake_viapoint.runs.run_folder import TRIALS, RunFolder, read_trials, write
 from drake_viapoint.runs.study import StudyRun
 from drake_viapoint.runs.study_run import FIRST_REPEAT, StudyResult, StudyWork, execute
 from drake_viapoint.runs.task_run import versions
+from drake_viapoint.tasks import catalogue
 from drake_viapoint.tasks.catalogue import TaskBuilder, build_task, task_scenario
 from drake_viapoint.tasks.pendulum import PendulumMotion, Recurrence
 from drake_viapoint.tasks.upswing import UpswingTask
@@ -273,14 +274,14 @@ def test_a_worker_builds_one_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     work = StudyWork(study, versions())
     built: list[int] = []
     monkeypatch.setattr(study_run, "_kept", threading.local())
-    scene = study_run.TASKS["upswing"].scene
+    scene = catalogue.TASKS["upswing"].scene
 
     def counted(scenario: Any) -> Any:
         built.append(1)
         return scene(scenario)
 
-    kind = study_run.TASKS["upswing"]._replace(scene=counted)
-    monkeypatch.setitem(study_run.TASKS, "upswing", kind)  # type: ignore[arg-type]
+    kind = catalogue.TASKS["upswing"]._replace(scene=counted)
+    monkeypatch.setattr(catalogue, "TASKS", {**catalogue.TASKS, "upswing": kind})
     rows = [without_seconds(execute(work, run)) for run in study.runs()]
     assert len(built) == 1
     assert len(rows) == 4

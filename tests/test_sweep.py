@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -323,7 +323,10 @@ class FragileWorkers:
         self.deadly = deadly
         self.tried: list[list[str]] = []
 
-    def results(self, _: StudyWork, groups: Iterable[Sequence[StudyRun]]) -> Iterator[StudyResult]:
+    def results(
+        self, work: StudyWork, groups: Iterable[Sequence[StudyRun]]
+    ) -> Generator[StudyResult, None, None]:
+        del work
         feed = itertools.chain.from_iterable(groups)
         names: list[str] = []
         self.tried.append(names)
@@ -340,7 +343,7 @@ def test_a_run_is_blamed_alone(serial: tuple[Study, Path, pd.DataFrame]) -> None
     runs = list(study.runs())
     fragile = FragileWorkers({runs[4].name})
     work = StudyWork(study, {})
-    results = list(results_despite_deaths(fragile, work, runs))  # type: ignore[arg-type]
+    results = list(results_despite_deaths(fragile, work, runs))
     assert sorted(r.row["run"] for r in results) == sorted(run.name for run in runs)
     blamed = [r.row["run"] for r in results if r.row.get("error")]
     assert blamed == [runs[4].name]

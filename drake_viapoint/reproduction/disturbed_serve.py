@@ -16,6 +16,7 @@ from scipy.stats import binomtest
 
 from drake_viapoint.errors import ViapointError
 from drake_viapoint.reproduction.run_curves import listed
+from drake_viapoint.reproduction.trials_needed import trials_in_words, trials_percentile
 from drake_viapoint.runs.study import REPEATED
 
 _FIELDS = ("d", "landing_error", "T_G", "success", "purpose", "subtask")
@@ -152,12 +153,12 @@ def paired(table: pd.DataFrame, condition: str, other: str, keys: Iterable[str])
 
 def summary(result: ConditionResult) -> str:
     """One line of the table in words."""
-    median = "-" if result.median is None else f"{result.median:g}"
-    tenth = "-" if result.percentile_90 is None else f"{result.percentile_90:g}"
     return (
         f"{result.condition}: {result.learned:.0%} of {result.runs} runs learned "
-        f"({result.learned_low:.0%} to {result.learned_high:.0%}), median trial {median}, 90th "
-        f"percentile {tenth}; {result.wasted:.1f} exploration trials wasted; afterwards "
+        f"({result.learned_low:.0%} to {result.learned_high:.0%}), median trial "
+        f"{trials_in_words(result.median)}, 90th percentile "
+        f"{trials_in_words(result.percentile_90)}; {result.wasted:.1f} exploration trials wasted; "
+        "afterwards "
         f"{100 * result.residual:.1f} cm from the goal, of which the disturbance alone makes "
         f"{100 * result.floor:.1f} cm ({result.lost} runs end with a ball that never lands); "
         f"{result.held:.0%} of repeats succeed"
@@ -177,7 +178,6 @@ def paired_summary(result: PairedResult) -> str:
 def _result(name: str, runs: pd.DataFrame) -> ConditionResult:
     learned_at = _trials_to_learn(runs).to_numpy()
     learned = np.isfinite(learned_at)
-    median, percentile_90 = np.percentile(learned_at, [50, 90], method="higher")
     interval = binomtest(int(learned.sum()), len(runs)).proportion_ci(_CONFIDENCE, "wilson")
     spreads = np.array([_spread(row) for _, row in runs.iterrows()])  # (n, 3)
     landed = ~np.isnan(spreads[:, 1])
@@ -189,8 +189,8 @@ def _result(name: str, runs: pd.DataFrame) -> ConditionResult:
         learned=float(learned.mean()),
         learned_low=float(interval.low),
         learned_high=float(interval.high),
-        median=float(median) if np.isfinite(median) else None,
-        percentile_90=float(percentile_90) if np.isfinite(percentile_90) else None,
+        median=trials_percentile(learned_at, 50),
+        percentile_90=trials_percentile(learned_at, 90),
         wasted=float(runs["wasted"].mean()),
         unreachable=float(np.mean([_unreachable(row) for _, row in runs.iterrows()])),
         lost=int(np.sum(np.isnan(spreads[:, 1]))),

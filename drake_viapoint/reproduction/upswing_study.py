@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drake_viapoint.errors import LearningError
 from drake_viapoint.learning.ask_tell import Purpose
+from drake_viapoint.reproduction.trials_needed import trials_in_words, trials_percentile
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.memory_log import MemoryLog
 from drake_viapoint.runs.study_log import StudyLog
@@ -153,13 +154,11 @@ def study_result(runs: Iterable[PersonRun]) -> list[WayResult]:
 
 def summary(result: WayResult) -> str:
     """One line of the table in words."""
-    median = "-" if result.median is None else f"{result.median:g}"
-    tenth = "-" if result.percentile_90 is None else f"{result.percentile_90:g}"
     return (
         f"{result.execution:<10} {result.way:<8} of {result.persons} persons "
         f"{result.within_30:6.1%} succeed within 30 trials ({result.held_at_30:.1%} held), "
-        f"{result.within_60:6.1%} within 60 ({result.held_at_60:.1%} held), median trial {median}, "
-        f"90th percentile {tenth}"
+        f"{result.within_60:6.1%} within 60 ({result.held_at_60:.1%} held), median trial "
+        f"{trials_in_words(result.median)}, 90th percentile {trials_in_words(result.percentile_90)}"
     )
 
 
@@ -227,7 +226,6 @@ def _runs(row: dict[str, Any]) -> Iterator[PersonRun]:
 
 def _result(execution: str, way: str, runs: Sequence[PersonRun]) -> WayResult:
     firsts = np.array([np.inf if r.first_success is None else r.first_success for r in runs])
-    median, percentile_90 = np.percentile(firsts, [50, 90], method="higher")
     return WayResult(
         execution=execution,
         way=way,
@@ -237,6 +235,6 @@ def _result(execution: str, way: str, runs: Sequence[PersonRun]) -> WayResult:
         held_at_30=float(np.mean([run.held(30) for run in runs])),
         within_60=float(np.mean(firsts <= 60)),
         held_at_60=float(np.mean([run.held(60) for run in runs])),
-        median=float(median) if np.isfinite(median) else None,
-        percentile_90=float(percentile_90) if np.isfinite(percentile_90) else None,
+        median=trials_percentile(firsts, 50),
+        percentile_90=trials_percentile(firsts, 90),
     )

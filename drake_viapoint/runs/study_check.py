@@ -73,8 +73,9 @@ def _as_number(value: object) -> object:
         return {key: _as_number(item) for key, item in value.items()}
     if isinstance(value, list):
         return [_as_number(item) for item in value]
-    is_whole = isinstance(value, float) and value.is_integer()
-    return int(value) if is_whole else value  # type: ignore[call-overload]
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    return value
 
 
 def _check_values(path: Path, study: Study) -> None:

@@ -103,6 +103,20 @@ class Stepping:
         self._simulator.AdvanceTo(end)
         self._check()
 
+    def set_clock(self, time: float) -> None:
+        """Say that it is another time [s], with everything else as it is."""
+        self.context.SetTime(time)
+        self._simulator.Initialize()
+
+    def march(self, end: float, step: float) -> None:
+        """Integrate to a time [s] from where the context is, with nobody watching.
+
+        Steps are no longer than ``step`` [s]; where the integrator controls its error it may reject
+        some, and goes on.
+        """
+        self._simulator.get_mutable_integrator().set_maximum_step_size(step)
+        self._simulator.AdvanceTo(end)
+
     def _spoilt(self) -> bool:
         """Whether a step was rejected since the integrator's initialisation, and it matters."""
         integrator = self._simulator.get_integrator()

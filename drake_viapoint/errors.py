@@ -83,6 +83,35 @@ class UnreachableError(ViapointError):
         self.at_limit = at_limit
 
 
+class BallFallsOutError(ViapointError):
+    """A movement that cannot begin, as the ball does not come to rest in the cup.
+
+    Attributes:
+        distance: How far the ball was from its seat when it was given up [m].
+    """
+
+    def __init__(self, distance: float) -> None:
+        super().__init__(
+            f"the ball does not rest in the cup: before the movement begins it is "
+            f"{1e3 * distance:.1f} mm from its seat"
+        )
+        self.distance = distance
+
+
+class BrokenOffError(ViapointError):
+    """A simulation that fails under way.
+
+    Attributes:
+        time: Up to when it went [s].
+        cause: Why it went no further.
+    """
+
+    def __init__(self, time: float, cause: str) -> None:
+        super().__init__(f"the simulation failed after {time:.4f} s: {cause}")
+        self.time = time
+        self.cause = cause
+
+
 class RetargetingError(ViapointError):
     """A tool path that cannot be turned into a movement of the joints as asked."""
 

@@ -83,7 +83,7 @@ def test_the_ball_leaves_the_cup_with_its_velocity_scaled(
     # and so it is elsewhere when it should be hit: by the parabola's law
     flown = trial.hit_time - after.time
     np.testing.assert_allclose(
-        trial.meeting - calm.meeting,
+        trial.happened.meeting - calm.happened.meeting,
         (after.ball_velocity - before.ball_velocity) * flown,
         atol=1e-12,
     )
@@ -99,12 +99,12 @@ def test_the_struck_ball_is_disturbed_as_well(serve_task: ServeTask) -> None:
     np.testing.assert_array_equal(
         after.ball_velocity, before.ball_velocity * trial.disturbed.bounce
     )
-    assert trial.landing is not None
-    assert calm.landing is not None
+    assert trial.happened.landing is not None
+    assert calm.happened.landing is not None
     flown = ball(trial, "landing").time - after.time
     reached = after.ball_position[:2] + after.ball_velocity[:2] * flown
-    np.testing.assert_allclose(trial.landing, reached, atol=1e-10)
-    assert not np.allclose(trial.landing, calm.landing, atol=1e-4)
+    np.testing.assert_allclose(trial.happened.landing, reached, atol=1e-10)
+    assert not np.allclose(trial.happened.landing, calm.happened.landing, atol=1e-4)
 
 
 def test_seeds_make_the_difference_and_nothing_else(disturbed: ServeTask) -> None:
@@ -146,7 +146,7 @@ def test_the_spread_it_sets(disturbed: ServeTask) -> None:
     flown = trials[0].hit_time - release.time
     calm_velocity = release.ball_velocity / trials[0].disturbed.release
     expected = np.abs(calm_velocity) * flown * 0.03 / np.sqrt(3)
-    spread = np.std([trial.meeting for trial in trials], axis=0)
+    spread = np.std([trial.happened.meeting for trial in trials], axis=0)
     np.testing.assert_allclose(spread, expected, rtol=0.2)
 
 

@@ -16,8 +16,9 @@ from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.packages import models_path
 from drake_viapoint.robot.retargeting import JointMovement
 from drake_viapoint.tasks.flight import GRAVITY
+from drake_viapoint.tasks.held_racket import HeldRacket
 from drake_viapoint.tasks.serve import ServeTask
-from drake_viapoint.tasks.serve_event import EventExecution, HeldRacket
+from drake_viapoint.tasks.serve_event import EventExecution
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
 from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial
@@ -79,8 +80,8 @@ def test_a_tighter_integration_lands_at_the_same_place(
     config.max_step_size /= shorter
     fine = with_simulator(serve_task, config)
     for via_points in variants(serve_task):
-        landing = executed(serve_task, via_points).landing
-        other = fine.execute(serve_task.retargeting(via_points)).landing
+        landing = executed(serve_task, via_points).happened.landing
+        other = fine.execute(serve_task.retargeting(via_points)).happened.landing
         assert landing is not None
         assert other is not None
         assert np.linalg.norm(landing - other) < 1e-4  # [m]; measured 3e-5
@@ -198,19 +199,23 @@ def test_it_lands_at_the_height_of_the_ring(serve_task: ServeTask, trial: ServeT
     landing = event(trial, "landing")
     assert landing.ball_position[2] == pytest.approx(serve_task.scene.ring[2], abs=1e-12)
     assert landing.ball_velocity[2] < 0
-    np.testing.assert_array_equal(trial.landing, landing.ball_position[:2])
-    np.testing.assert_array_equal(trial.goal, serve_task.scene.ring[:2])
+    np.testing.assert_array_equal(trial.happened.landing, landing.ball_position[:2])
+    np.testing.assert_array_equal(trial.happened.goal, serve_task.scene.ring[:2])
 
 
 def test_the_meeting_is_where_ball_and_face_are_at_the_time_of_the_hit(
     serve_task: ServeTask, trial: ServeTrial
 ) -> None:
     state = HeldRacket(serve_task.scene.arm, trial.motion)([trial.hit_time])
-    np.testing.assert_array_equal(trial.meeting, trial.flights[0].position(trial.hit_time))
+    np.testing.assert_array_equal(trial.happened.meeting, trial.flights[0].position(trial.hit_time))
     np.testing.assert_allclose(
-        trial.desired_meeting, state.position[0] + 0.033 * state.rotation[0][:, 1], atol=1e-12
+        trial.happened.desired_meeting,
+        state.position[0] + 0.033 * state.rotation[0][:, 1],
+        atol=1e-12,
     )
-    assert trial.d == pytest.approx(np.linalg.norm(trial.meeting - trial.desired_meeting))
+    assert trial.happened.d == pytest.approx(
+        np.linalg.norm(trial.happened.meeting - trial.happened.desired_meeting)
+    )
 
 
 def test_drag_shortens_the_shot_by_centimetres(
@@ -220,9 +225,9 @@ def test_drag_shortens_the_shot_by_centimetres(
     scenario.ball.drag_coefficient = 0.507
     execution = EventExecution(scenario, serve_task.scene, serve_task.watched.hit_time)
     slowed = execution.execute(movement)
-    assert trial.landing is not None
-    assert slowed.landing is not None
-    assert 0.02 < trial.landing[1] - slowed.landing[1] < 0.10
+    assert trial.happened.landing is not None
+    assert slowed.happened.landing is not None
+    assert 0.02 < trial.happened.landing[1] - slowed.happened.landing[1] < 0.10
     assert slowed.events[0].record() == trial.events[0].record()
 
 
@@ -273,13 +278,13 @@ def test_not_released(serve_task: ServeTask) -> None:
     """Too small a movement never falls away under the ball."""
     trial = executed(serve_task, shrunk(serve_task.via_points, 0.1))
     assert trial.ending is ServeOutcome.NOT_RELEASED
-    assert (trial.events, trial.flights, trial.landing) == ((), (), None)
-    assert not trial.success
+    assert (trial.events, trial.flights, trial.happened.landing) == ((), (), None)
+    assert not trial.happened.success
     assert trial.end == trial.motion.end
     carried = serve_task.scene.cup.ball(
         HeldRacket(serve_task.scene.arm, trial.motion), [trial.hit_time]
     )
-    np.testing.assert_array_equal(trial.meeting, carried.position[0])
+    np.testing.assert_array_equal(trial.happened.meeting, carried.position[0])
     assert serve_task.outcome(trial.record()).realized == {"T_H": None, "T_G": None}
 
 
@@ -290,7 +295,7 @@ def test_released_too_late_counts_as_not_released(
     early = event(trial, "release").time - 0.05
     late = EventExecution(ServeScenario(), serve_task.scene, early).execute(movement)
     assert late.ending is ServeOutcome.NOT_RELEASED
-    assert not late.success
+    assert not late.happened.success
     assert [event.name for event in late.events] == ["release", "hit", "landing"]
     assert serve_task.outcome(late.record()).realized["T_H"] is None
 
@@ -300,10 +305,10 @@ def test_missed(serve_task: ServeTask) -> None:
     trial = executed(serve_task, serve_task.via_points.moved(["z3", "z4"], [0.1, 0.1]))
     assert trial.ending is ServeOutcome.MISSED
     assert [event.name for event in trial.events] == ["release"]
-    assert trial.landing is None
-    assert trial.d > 0.15
+    assert trial.happened.landing is None
+    assert trial.happened.d > 0.15
     realized = serve_task.outcome(trial.record()).realized
-    np.testing.assert_array_equal(realized["T_H"], trial.meeting)
+    np.testing.assert_array_equal(realized["T_H"], trial.happened.meeting)
     assert realized["T_G"] is None
 
 
@@ -313,7 +318,7 @@ def test_caught_behind(serve_task: ServeTask) -> None:
     trial = executed(serve_task, turned.moved(["y5", "y6", "z6"], [0.1] * 3))
     assert trial.ending is ServeOutcome.CAUGHT_BEHIND
     assert [event.name for event in trial.events] == ["release", "caught_behind"]
-    assert trial.landing is None
+    assert trial.happened.landing is None
     caught = event(trial, "caught_behind")
     state = HeldRacket(serve_task.scene.arm, trial.motion)([caught.time])
     height = state.normal[0] @ (caught.ball_position - state.position[0])
@@ -324,17 +329,17 @@ def test_landed_and_never_a_success_beyond_the_tolerances(
     serve_task: ServeTask, movement: JointMovement, trial: ServeTrial
 ) -> None:
     assert trial.ending is ServeOutcome.LANDED
-    assert trial.landing_error is not None
+    assert trial.happened.landing_error is not None
     tolerances = serve_task.scenario.learning
-    inside = trial.landing_error < tolerances.landing_tolerance
-    assert trial.success == (inside and trial.d < tolerances.meeting_tolerance)
+    inside = trial.happened.landing_error < tolerances.landing_tolerance
+    assert trial.happened.success == (inside and trial.happened.d < tolerances.meeting_tolerance)
     lenient = ServeScenario()
-    lenient.learning.landing_tolerance = trial.landing_error + 1e-6
-    lenient.learning.meeting_tolerance = trial.d + 1e-6
+    lenient.learning.landing_tolerance = trial.happened.landing_error + 1e-6
+    lenient.learning.meeting_tolerance = trial.happened.d + 1e-6
 
     def success(scenario: ServeScenario) -> bool:
         execution = EventExecution(scenario, serve_task.scene, trial.hit_time)
-        return execution.execute(movement).success
+        return execution.execute(movement).happened.success
 
     assert success(lenient)
     lenient.learning.landing_tolerance -= 2e-6
@@ -356,9 +361,9 @@ def test_fell_short(tmp_path: Path) -> None:
     trial = executed(task)
     assert trial.ending is ServeOutcome.FELL_SHORT
     assert [event.name for event in trial.events] == ["release", "hit"]
-    assert trial.landing is None
-    assert trial.landing_error is None
-    assert not trial.success
+    assert trial.happened.landing is None
+    assert trial.happened.landing_error is None
+    assert not trial.happened.success
     assert "fell short" in trial.summary()
 
 
@@ -381,7 +386,7 @@ def test_released_at_the_first_instant(
     assert trial.ending is ServeOutcome.MISSED
     assert event(trial, "release").time == 0.0
     np.testing.assert_allclose(event(trial, "release").ball_velocity, 0, atol=1e-12)
-    assert trial.meeting[2] == pytest.approx(
+    assert trial.happened.meeting[2] == pytest.approx(
         trial.flights[0].position(0.0)[2] - GRAVITY / 2 * trial.hit_time**2
     )
 

@@ -168,7 +168,7 @@ def test_zero_is_refused_where_it_means_nothing(tmp_path: Path, key: str) -> Non
     ("key", "value"),
     [
         ("task", "upswing"),
-        ("execution", "contact"),
+        ("execution", "both"),
         ("ball.restitution", 1.01),
         ("demonstration.via_points", 1),
         ("demonstration.markers", ["racket_upper", "racket_lower"]),

@@ -11,8 +11,8 @@ from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.robot.arm_motion import MotionSegment
 from drake_viapoint.robot.retargeting import JointMovement
 from drake_viapoint.tasks.flight import GRAVITY
+from drake_viapoint.tasks.held_racket import HeldRacket
 from drake_viapoint.tasks.serve import ServeTask
-from drake_viapoint.tasks.serve_event import HeldRacket
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
 from drake_viapoint.tasks.serve_swing import Swing, SwingIntegration

@@ -46,18 +46,19 @@ def test_a_record_says_what_a_line_of_the_run_needs(trial: ServeTrial) -> None:
 def test_the_learner_is_told_the_same_from_the_record_as_read_back(trial: ServeTrial) -> None:
     for record in (trial.record(), json.loads(json.dumps(trial.record()))):
         outcome = serve_outcome(record)
-        np.testing.assert_array_equal(outcome.realized["T_H"], trial.meeting)
-        np.testing.assert_array_equal(outcome.realized["T_G"], trial.landing)
-        np.testing.assert_array_equal(outcome.desired["T_H"], trial.desired_meeting)
-        np.testing.assert_array_equal(outcome.desired["T_G"], trial.goal)
-        assert outcome.success is trial.success
+        np.testing.assert_array_equal(outcome.realized["T_H"], trial.happened.meeting)
+        np.testing.assert_array_equal(outcome.realized["T_G"], trial.happened.landing)
+        np.testing.assert_array_equal(outcome.desired["T_H"], trial.happened.desired_meeting)
+        np.testing.assert_array_equal(outcome.desired["T_G"], trial.happened.goal)
+        assert outcome.success is trial.happened.success
         error = outcome.error("T_H")
         assert error is not None
-        assert np.linalg.norm(error) == pytest.approx(trial.d)
+        assert np.linalg.norm(error) == pytest.approx(trial.happened.d)
 
 
 def test_a_ball_still_in_the_cup_says_nothing_of_the_throw(trial: ServeTrial) -> None:
-    kept = replace(trial, ending=ServeOutcome.NOT_RELEASED, flights=(), events=(), landing=None)
+    nowhere = replace(trial.happened, landing=None)
+    kept = replace(trial, ending=ServeOutcome.NOT_RELEASED, flights=(), events=(), happened=nowhere)
     outcome = serve_outcome(kept.record())
     assert outcome.error("T_H") is None
     assert outcome.error("T_G") is None
@@ -66,12 +67,16 @@ def test_a_ball_still_in_the_cup_says_nothing_of_the_throw(trial: ServeTrial) ->
 @pytest.mark.parametrize("ending", [ServeOutcome.MISSED, ServeOutcome.CAUGHT_BEHIND])
 def test_a_miss_says_where_the_ball_was(trial: ServeTrial, ending: ServeOutcome) -> None:
     missed = replace(
-        trial, ending=ending, flights=trial.flights[:1], events=trial.events[:1], landing=None
+        trial,
+        ending=ending,
+        flights=trial.flights[:1],
+        events=trial.events[:1],
+        happened=replace(trial.happened, landing=None),
     )
     outcome = serve_outcome(missed.record())
-    np.testing.assert_array_equal(outcome.realized["T_H"], trial.meeting)
+    np.testing.assert_array_equal(outcome.realized["T_H"], trial.happened.meeting)
     assert outcome.error("T_G") is None
-    assert missed.landing_error is None
+    assert missed.happened.landing_error is None
     assert missed.record()["landing_error"] is None
     assert "goal" not in missed.summary()
 
@@ -90,7 +95,7 @@ def test_a_refused_movement_says_nothing(serve_task: ServeTask) -> None:
 
 def test_the_balls_path_runs_through_cup_throw_and_shot(trial: ServeTrial) -> None:
     release, hit, landing = (event.time for event in trial.events)
-    np.testing.assert_array_equal(trial.ball_path([0.1]), trial.carried(np.array([0.1])))
+    np.testing.assert_array_equal(trial.ball_path([0.1]), trial.path.carried(np.array([0.1])))
     middle = (release + hit) / 2
     np.testing.assert_array_equal(trial.ball_path(middle)[0], trial.flights[0].position(middle))
     middle = (hit + landing) / 2
@@ -108,8 +113,8 @@ def test_it_ends_when_there_is_nothing_more_to_see(trial: ServeTrial) -> None:
 
 def test_the_summary_is_one_line_of_figures(trial: ServeTrial) -> None:
     summary = trial.summary()
-    assert summary.startswith(f"landed, d = {100 * trial.d:.1f} cm, ")
-    assert f"{100 * trial.landing_error:.1f} cm from the goal's centre" in summary
+    assert summary.startswith(f"landed, d = {100 * trial.happened.d:.1f} cm, ")
+    assert f"{100 * trial.happened.landing_error:.1f} cm from the goal's centre" in summary
     assert "\n" not in summary
     clamped = replace(trial, saturated=("EB", "WR"), beyond_limits=("SFE",)).summary()
     assert "torque clamped: EB WR" in clamped

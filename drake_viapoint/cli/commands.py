@@ -9,7 +9,7 @@ import click
 
 from drake_viapoint import __version__
 from drake_viapoint.cli.ending import importing, interruptible, run
-from drake_viapoint.cli.learn import learn
+from drake_viapoint.cli.learn import learn, robot_serve
 from drake_viapoint.cli.studies import choices, components, conditions
 from drake_viapoint.cli.sweep import sweep
 
@@ -126,19 +126,24 @@ def demonstrate(task: str, person: int, out: Path) -> None:
 
 @cli.command()
 @_TASK
-def scenario(task: str) -> None:
+@click.option("--robot", is_flag=True, help="The serve's that stands for the robot experiment.")
+def scenario(task: str, robot: bool) -> None:
     """Print a task's scenario with every value, to be edited and given with --scenario.
 
     \b
     Examples:
       drake-viapoint scenario serve > my_serve.yaml
+      drake-viapoint scenario serve --robot > my_robot.yaml
       drake-viapoint scenario upswing > my_upswing.yaml
     """
+    if robot and task != "serve":
+        raise click.UsageError(f"--robot is of the serve, not of the {task}")
     with importing():
         from drake_viapoint.tasks.catalogue import task_scenario
         from drake_viapoint.tasks.scenario import dump_scenario
 
-    click.echo(dump_scenario(task_scenario(task)), nl=False)
+    file = robot_serve() if robot else None
+    click.echo(dump_scenario(task_scenario(task, file)), nl=False)
 
 
 @cli.command()

@@ -43,6 +43,15 @@ def _options_of_every_task(command: F) -> F:
     return command
 
 
+def robot_serve() -> Path:
+    """The scenario that stands for the robot experiment."""
+    with importing():
+        from drake_viapoint.packages import resolve
+        from drake_viapoint.tasks.catalogue import ROBOT_SERVE
+
+    return resolve(ROBOT_SERVE)
+
+
 @click.group()
 def learn() -> None:
     """Learn a task, trial by trial, into a run folder.
@@ -54,8 +63,13 @@ def learn() -> None:
 @learn.command("serve")
 @_options_of_every_task
 @click.option("--t-hit", type=float, help="Time of the hit in the demonstration [s].")
+@click.option(
+    "--robot",
+    is_flag=True,
+    help="As on a robot: real contact, camera samples, a controller that does not know the truth.",
+)
 @click.pass_context
-def learn_serve(ctx: click.Context, /, t_hit: float | None, **options: Any) -> None:
+def learn_serve(ctx: click.Context, /, t_hit: float | None, robot: bool, **options: Any) -> None:
     """Learn the tennis serve.
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
@@ -63,10 +77,15 @@ def learn_serve(ctx: click.Context, /, t_hit: float | None, **options: Any) -> N
     \b
     Examples:
       drake-viapoint learn serve --out runs/first
+      drake-viapoint learn serve --out runs/robot --robot --max-trials 80
       drake-viapoint learn serve --out runs/person7 --person 7 --max-trials 80
       drake-viapoint learn serve --out runs/first --resume
       drake-viapoint learn serve --out runs/mine --demonstration my_serve.c3d --t-hit 0.93
     """
+    if robot:
+        if options["scenario"] is not None:
+            raise click.UsageError("give either --robot or --scenario")
+        options["scenario"] = robot_serve()
     ctx.exit(_learn("serve", {"demonstration.hit_time": t_hit}, **options))
 
 

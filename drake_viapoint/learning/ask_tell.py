@@ -39,11 +39,14 @@ class Outcome:
         desired: Td of each task variable; it may differ from trial to trial, as the place of the
             racket does that the ball should meet.
         success: Whether this trial met the bar of the whole task.
+        broken_off: Whether the trial broke off and so says nothing, as when a camera fails. It
+            counts, and the same via-points are asked for again.
     """
 
     realized: Mapping[str, NDArray[np.float64] | None]
     desired: Mapping[str, NDArray[np.float64]]
     success: bool
+    broken_off: bool = False
 
     def error(self, task_variable: str) -> NDArray[np.float64] | None:
         """Td - T, or None where the trial did not reach it.

@@ -137,6 +137,12 @@ class Learner:
         proposal = self._proposal
         if proposal is None:
             raise LearningError("ask for a trial before telling its outcome")
+        if outcome.broken_off:
+            self._trials += 1
+            self._streak = 0
+            if proposal.purpose is Purpose.REPEAT:  # one less, or a task that breaks never ends
+                self._repeats_left -= 1
+            return
         try:
             errors = [outcome.error(subtask.task_variable) for subtask in self._subtasks]
         except OutcomeNotFiniteError as error:

@@ -66,7 +66,9 @@ def _draw_trial(ax: Axes, task: ServeTask, trial: ServeTrial, i: int, j: int) ->
     times = np.linspace(0.0, trial.end, 400)
     ball = trial.ball_path(times)
     ax.plot(ball[:, i], ball[:, j], color=BALL, linewidth=1.2, label="ball")
-    at_hit = trial.meeting
+    at_hit = trial.told.meeting
+    if at_hit is None:
+        return
     ax.plot(at_hit[i], at_hit[j], "x", color="k", markersize=5, label="$T_H$")
 
 

@@ -12,8 +12,8 @@ from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.motion.orientation import rotation_from_zyz
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.reproduction.page import frame_times, moving_page, new_page
+from drake_viapoint.tasks.serve import serve_scene
 from drake_viapoint.tasks.serve_scenario import ServeScenario
-from drake_viapoint.tasks.serve_scene import ServeScene
 from drake_viapoint.tasks.serve_trial import ServeTrial
 
 _AFTERWARDS = 0.3  # [s] that the end is looked at
@@ -32,10 +32,9 @@ def serve_page(scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints
         via_points: What the trial was asked to do.
     """
     meshcat = new_page()
-    scene = ServeScene(scenario, meshcat)
+    scene = serve_scene(scenario, meshcat)
     meshcat.SetCameraPose([2.3, -0.5, 1.6], [0.3, 1.1, 0.8])
     _draw_paths(meshcat, trial, via_points)
-    cup = scene.carry.frame_on_parent()
     times = frame_times(trial.end + _AFTERWARDS)
     angles = trial.motion.q(np.minimum(times, trial.motion.end))
     balls = trial.ball_path(np.minimum(times, trial.end))
@@ -43,8 +42,7 @@ def serve_page(scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints
     def pose(context: Context, picture: int) -> None:
         own = scene.plant.GetMyMutableContextFromRoot(context)
         scene.plant.SetPositions(own, scene.instance, angles[picture])
-        place = cup.CalcPoseInWorld(own).inverse() @ RigidTransform(balls[picture])
-        scene.carry.SetPose(own, place)
+        scene.place_ball(own, balls[picture])
 
     return moving_page(meshcat, scene.diagram, times, pose)
 

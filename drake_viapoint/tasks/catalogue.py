@@ -15,7 +15,7 @@ from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.errors import ScenarioError
 from drake_viapoint.packages import resolve
 from drake_viapoint.tasks.scenario import Scenario, dump_scenario, load_scenario, read_mapping
-from drake_viapoint.tasks.serve import ServeTask
+from drake_viapoint.tasks.serve import ServeTask, serve_scene
 from drake_viapoint.tasks.serve_demonstration import recorded_serve, watch_serve
 from drake_viapoint.tasks.serve_recording import record_person as record_server
 from drake_viapoint.tasks.serve_scenario import ServeScenario
@@ -43,7 +43,7 @@ TASKS: Mapping[str, TaskKind] = {
     "serve": TaskKind(
         ServeScenario,
         ServeTask,
-        ServeScene,
+        serve_scene,
         lambda scenario, scene: watch_serve(
             scenario.demonstration, recorded_serve(scenario.demonstration, scene.ring)
         ),
@@ -62,6 +62,9 @@ TASKS: Mapping[str, TaskKind] = {
     ),
 }
 """By the name in a scenario's first key."""
+
+ROBOT_SERVE = "package://drake_viapoint/scenarios/serve_robot.yaml"
+"""Address of the scenario that stands for the robot experiment of section 2.1."""
 
 
 def task_scenario(
@@ -144,7 +147,7 @@ class _Kept:
         return self._made
 
 
-_NOT_OF_A_DEMONSTRATION = frozenset({"learning", "disturbance", "seed", "made_with"})
+_NOT_OF_A_DEMONSTRATION = frozenset({"learning", "disturbance", "cameras", "seed", "made_with"})
 _NOT_OF_A_SCENE = _NOT_OF_A_DEMONSTRATION | {"demonstration"}
 
 

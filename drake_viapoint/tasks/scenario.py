@@ -128,14 +128,24 @@ def require_one_of(key: str, value: str, choices: tuple[str, ...]) -> None:
     require(value in choices, key, value, f"must be {' or '.join(choices)}")
 
 
-def validate_simulation(plant: MultibodyPlantConfig, simulator: SimulatorConfig) -> None:
+def validate_simulation(
+    plant: MultibodyPlantConfig, simulator: SimulatorConfig, *, steps_allowed: bool = False
+) -> None:
     """Check Drake's own configuration: some values it does not refuse but stops the process for.
+
+    Args:
+        plant: Of the plant.
+        simulator: Of the simulator.
+        steps_allowed: Whether the plant may move in steps of its own.
 
     Raises:
         ScenarioError: Names the value and the bound.
     """
     step = plant.time_step
-    require(step == 0, "plant.time_step", step, "must be 0: trials are in continuous time")
+    if steps_allowed:
+        require(0 <= step <= 0.01, "plant.time_step", step, "must be in [0, 0.01]")
+    else:
+        require(step == 0, "plant.time_step", step, "must be 0: trials are in continuous time")
     for name in ("penetration_allowance", "stiction_tolerance", "sap_near_rigid_threshold"):
         require_positive(f"plant.{name}", getattr(plant, name))
     longest, accuracy, start = simulator.max_step_size, simulator.accuracy, simulator.start_time

@@ -24,25 +24,31 @@ def scene_path(address: str) -> Path:
 
 
 def add_plant(
-    builder: DiagramBuilder, config: MultibodyPlantConfig, meshcat: Meshcat | None = None
+    builder: DiagramBuilder,
+    config: MultibodyPlantConfig,
+    meshcat: Meshcat | None = None,
+    *,
+    touches: bool = False,
 ) -> MultibodyPlant:
     """An empty plant in a diagram.
 
-    Without a Meshcat no geometry is registered: the dynamics need none, and collision queries
-    would cost more than they do.
+    Unless it is shown or touches anything no geometry is registered: the dynamics need none, and
+    collision queries would cost more than they do.
 
     Args:
         builder: Where the plant goes, under the name ``plant``.
         config: Of the plant.
         meshcat: Where to show it, if anywhere.
+        touches: Whether its bodies may touch each other.
     """
-    if meshcat is None:
+    if meshcat is None and not touches:
         plant: MultibodyPlant = builder.AddNamedSystem("plant", MultibodyPlant(config.time_step))
         ApplyMultibodyPlantConfig(config, plant)
         return plant
     scene_graph: SceneGraph
     plant, scene_graph = AddMultibodyPlant(config, builder)
-    MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+    if meshcat is not None:
+        MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
     return plant
 
 

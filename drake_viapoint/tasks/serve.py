@@ -2,22 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Protocol
 
-from drake_viapoint.errors import ScenarioError, UnreachableError
+from pydrake.geometry import Meshcat
+
+from drake_viapoint.errors import (
+    BallFallsOutError,
+    BrokenOffError,
+    ScenarioError,
+    UnreachableError,
+)
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain, TaperedGain
 from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics
 from drake_viapoint.robot.retargeting import JointMovement, Retargeting
+from drake_viapoint.tasks.serve_contact import ContactExecution
+from drake_viapoint.tasks.serve_contact_scene import ContactScene
 from drake_viapoint.tasks.serve_demonstration import WatchedServe, recorded_serve, watch_serve
 from drake_viapoint.tasks.serve_event import EventExecution
 from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
-from drake_viapoint.tasks.serve_swing import Swing
+from drake_viapoint.tasks.serve_sight import ServeSight
 from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial, serve_outcome
-from drake_viapoint.tasks.trial import RefusedTrial
+from drake_viapoint.tasks.trial import FAILED, RefusedTrial
+
+_RESULTS = ("d", THROW, STRIKE)  # what a trial of which nothing came does not reach
+
+
+class ServeExecution(Protocol):
+    """A way to execute serves."""
+
+    def execute(self, movement: JointMovement, seed: int = 0) -> ServeTrial:
+        """One serve; the seed is that of all that differs from trial to trial."""
+        ...
 
 
 class ServeTask:
@@ -45,7 +64,7 @@ class ServeTask:
     ) -> None:
         scenario.validate()
         self.scenario = scenario
-        self.scene = scene or ServeScene(scenario)
+        self.scene = scene or serve_scene(scenario)
         self.watched = watched or watch_serve(
             scenario.demonstration, recorded_serve(scenario.demonstration, self.scene.ring)
         )
@@ -67,41 +86,61 @@ class ServeTask:
             position_threshold=scenario.robot.position_threshold,
             rotation_threshold=scenario.robot.rotation_threshold,
         )
-        self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
-        self._last: tuple[ViaPoints, _Swung | RefusedTrial] | None = None
+        self.execution: ServeExecution
+        if isinstance(self.scene, ContactScene):
+            contact = ContactExecution(scenario, self.scene, self.watched.hit_time)
+            contact.check_start(self.retargeting.first)
+            self.execution = contact
+        else:
+            self.execution = EventExecution(scenario, self.scene, self.watched.hit_time)
+        self._sight = (
+            ServeSight(scenario, self.scene.arm, self.scene.ring)
+            if scenario.cameras.see == "samples"
+            else None
+        )
+        self._last: tuple[ViaPoints, JointMovement | RefusedTrial] | None = None
 
     def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial | RefusedTrial:
-        """Execute one serve; refused if the arm cannot follow these via-points.
+        """Execute one serve, and see it.
 
-        The seed is that of the ball's disturbance.
+        Refused if the arm cannot follow these via-points, or the ball does not rest in the cup
+        where they begin; failed if the simulation does not come to its end.
+
+        Args:
+            via_points: Of the racket's movement.
+            seed: Of all that differs from trial to trial.
         """
-        swung = self._swung(via_points)
-        if isinstance(swung, RefusedTrial):
-            return swung
-        return self.execution.follow(swung.movement, swung.swing, seed)
+        movement = self._movement(via_points)
+        if isinstance(movement, RefusedTrial):
+            return movement
+        try:
+            trial = self.execution.execute(movement, seed)
+        except BallFallsOutError as error:
+            return RefusedTrial(str(error), _RESULTS)
+        except BrokenOffError as error:
+            return RefusedTrial(str(error), _RESULTS, FAILED)
+        return trial if self._sight is None else self._sight(trial, movement, seed)
 
     def outcome(self, record: dict[str, Any]) -> Outcome:
         """What the learner is told of a recorded serve."""
         return serve_outcome(record)
 
-    def _swung(self, via_points: ViaPoints) -> _Swung | RefusedTrial:
-        """What the arm does; it does the same for the same via-points, so not again in repeats."""
+    def _movement(self, via_points: ViaPoints) -> JointMovement | RefusedTrial:
+        """The movement of the joints; the same for the same via-points, so not again in repeats."""
         if self._last is None or self._last[0] != via_points:
+            movement: JointMovement | RefusedTrial
             try:
                 movement = self.retargeting(via_points)
             except UnreachableError as error:
-                refused = RefusedTrial(str(error), ("d", THROW, STRIKE))
-                self._last = via_points, refused
-            else:
-                self._last = via_points, _Swung(movement, self.execution.swing(movement))
+                movement = RefusedTrial(str(error), _RESULTS)
+            self._last = via_points, movement
         return self._last[1]
 
 
-class _Swung(NamedTuple):
-    """What the arm did."""
-
-    movement: JointMovement
-    swing: Swing
+def serve_scene(scenario: ServeScenario, meshcat: Meshcat | None = None) -> ServeScene:
+    """The diagram in which a scenario's trials are executed."""
+    kind = ContactScene if scenario.execution == "contact" else ServeScene
+    return kind(scenario, meshcat)
 
 
 def serve_subtasks(learning: ServeLearning) -> tuple[Subtask, Subtask]:

@@ -6,45 +6,43 @@ and the ball flies, is struck and lands by its own equations.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
-from drake_viapoint.robot.arm import Arm
-from drake_viapoint.robot.arm_motion import ArmMotion
 from drake_viapoint.robot.retargeting import JointMovement
 from drake_viapoint.tasks.disturbance import Disturbance
 from drake_viapoint.tasks.flight import Flight, drag_per_metre, fly
-from drake_viapoint.tasks.racket import Face, RacketStates
+from drake_viapoint.tasks.held_racket import HeldRacket
+from drake_viapoint.tasks.racket import Face
+from drake_viapoint.tasks.serve_results import judged
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
 from drake_viapoint.tasks.serve_swing import Swing, SwingIntegration
-from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial
+from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial, ball_event
 from drake_viapoint.tasks.struck_ball import Encounter, first_encounter, strike
 
 
 @dataclass(frozen=True)
-class HeldRacket:
-    """The racket as a moving arm holds it."""
+class CarriedThenFlown:
+    """Where the ball is: in the cup, then in flight after flight."""
 
-    arm: Arm
-    motion: ArmMotion
+    carried: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    flights: tuple[Flight, ...]
 
-    @property
-    def start(self) -> float:
-        """Beginning of the motion [s]."""
-        return self.motion.start
-
-    @property
-    def end(self) -> float:
-        """End of the motion [s]."""
-        return self.motion.end
-
-    def __call__(self, times: ArrayLike) -> RacketStates:
-        """See ``RacketMotion``."""
-        states = self.motion.tool(self.arm, times)
-        return RacketStates(*(np.array(field) for field in zip(*states, strict=True)))
+    def __call__(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Centre of the ball (n, 3) [m] at times (n,) [s]."""
+        starts = [flight.start for flight in self.flights]
+        stage = np.searchsorted(starts, times, side="right")
+        path = np.empty((times.size, 3))
+        in_cup = stage == 0
+        if in_cup.any():
+            path[in_cup] = self.carried(times[in_cup])
+        for number, flight in enumerate(self.flights, start=1):
+            path[stage == number] = flight.position(times[stage == number])
+        return path
 
 
 class EventExecution:
@@ -65,21 +63,13 @@ class EventExecution:
         self._drag = drag_per_metre(ball.drag_coefficient, ball.radius, ball.mass)
         self._disturbance = Disturbance(scenario.disturbance.release, scenario.disturbance.bounce)
         self._face = Face(scenario.robot.half_width, scenario.robot.half_length)
-        learning = scenario.learning
-        self._tolerances = learning.meeting_tolerance, learning.landing_tolerance
+        self._learning = scenario.learning
+        self._last: tuple[JointMovement, Swing] | None = None
 
     def execute(self, movement: JointMovement, seed: int = 0) -> ServeTrial:
         """Simulate a serve and follow the ball; the seed is that of its disturbance."""
-        return self.follow(movement, self.swing(movement), seed)
-
-    def swing(self, movement: JointMovement) -> Swing:
-        """Move the arm up to the ball's release and on. No disturbance changes this."""
-        return self._swing(movement)
-
-    def follow(self, movement: JointMovement, swing: Swing, seed: int) -> ServeTrial:
-        """What becomes of the ball while the arm swings through a movement."""
         scene = self._scene
-        motion, release, clamped = swing
+        motion, release, clamped = self._swung(movement)
         disturbed = self._disturbance.draw(seed)
         racket = HeldRacket(scene.arm, motion)
         events: list[BallEvent] = []
@@ -111,26 +101,26 @@ class EventExecution:
         )
         wanted = state.position[0] + self._radius * state.normal[0]
         landing = flights[-1].position(landed)[:2] if landed is not None else None
-        goal = np.array(scene.ring[:2])
-        near = np.linalg.norm(wanted - meeting) < self._tolerances[0]
-        inside = landing is not None and np.linalg.norm(landing - goal) < self._tolerances[1]
         return ServeTrial(
             ending=_ending(thrown, met, landed),
             events=tuple(events),
             hit_time=self._hit_time,
-            meeting=meeting,
-            desired_meeting=wanted,
-            landing=landing,
-            goal=goal,
-            success=bool(near and inside),
+            happened=judged(self._learning, meeting, wanted, landing, np.array(scene.ring[:2])),
             saturated=scene.arm.named(clamped),
             beyond_limits=scene.arm.named(motion.beyond(scene.arm.limits)),
             tracking_error=motion.strayed(movement.trajectory),
             disturbed=disturbed,
             motion=motion,
-            carried=lambda t: scene.cup.ball(racket, t).position,
+            racket=racket,
+            path=CarriedThenFlown(lambda t: scene.cup.ball(racket, t).position, tuple(flights)),
             flights=tuple(flights),
         )
+
+    def _swung(self, movement: JointMovement) -> Swing:
+        """What the arm does. No disturbance changes that, so it is not done again in repeats."""
+        if self._last is None or self._last[0] is not movement:
+            self._last = movement, self._swing(movement)
+        return self._last[1]
 
 
 def _ending(thrown: bool, met: Encounter | None, landed: float | None) -> ServeOutcome:
@@ -144,12 +134,4 @@ def _ending(thrown: bool, met: Encounter | None, landed: float | None) -> ServeO
 
 
 def _event(name: str, time: float, flight: Flight, racket: HeldRacket) -> BallEvent:
-    state = racket([min(time, racket.end)])  # the arm stands still after its movement
-    return BallEvent(
-        name,
-        time,
-        flight.position(time),
-        flight.velocity(time),
-        state.position[0],
-        state.velocity[0],
-    )
+    return ball_event(name, time, flight.position(time), flight.velocity(time), racket)

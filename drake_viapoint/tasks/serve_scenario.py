@@ -14,9 +14,11 @@ from drake_viapoint.tasks.jacobian_scenario import JacobianScenario
 from drake_viapoint.tasks.scenario import (
     require,
     require_not_negative,
+    require_one_of,
     require_positive,
     validate_simulation,
 )
+from drake_viapoint.tasks.serve_robot_scenario import ServeCameras, ServeContact, ServeUnknown
 
 
 @dataclass
@@ -47,6 +49,8 @@ class ServeRobot:
     arm: str = "arm"
     tool_frame: str = "racket"
     cup_frame: str = "cup"
+    mount_frame: str = "handle"
+    """Where the tool is held: a frame fixed to it by which it is welded to the arm."""
     natural_frequency: float = 28.0
     """Of the tracking error's decay [rad/s]. Enough to keep the first trial within 2 mm of its path
     though the controller does not know of the ball; from 30 on the integrator has to halve its
@@ -68,7 +72,8 @@ class ServeBall:
     mass: float = 0.058
     radius: float = 0.033
     restitution: float = 0.8
-    """On the face, of the normal relative speed [assumed; between hand-held and clamped]."""
+    """On the face, of the normal relative speed [assumed; between hand-held and clamped]. With
+    contact, of the ball on strings held fast: what the racket takes comes on top."""
     drag_coefficient: float = 0.0
     """0.507 for a tennis ball at 15-30 m/s; off by default, as in the paper's simulation."""
 
@@ -151,6 +156,11 @@ class ServeScenario:
     disturbance: ServeDisturbance = field(default_factory=ServeDisturbance)
     learning: ServeLearning = field(default_factory=ServeLearning)
     execution: str = "event"
+    """event: the ball is released, struck and landed by events, as in the paper's simulation.
+    contact: Drake's contact carries, throws and strikes it, as it does on a robot."""
+    contact: ServeContact = field(default_factory=ServeContact)
+    unknown: ServeUnknown = field(default_factory=ServeUnknown)
+    cameras: ServeCameras = field(default_factory=ServeCameras)
     plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
     simulator: SimulatorConfig = field(
         default_factory=lambda: SimulatorConfig(
@@ -170,7 +180,7 @@ class ServeScenario:
             ScenarioError: Names the value and the bound.
         """
         require(self.task == "serve", "task", self.task, "must be serve")
-        require(self.execution == "event", "execution", self.execution, "must be event")
+        require_one_of("execution", self.execution, ("event", "contact"))
         for name in ("mass", "radius"):
             require_positive(f"ball.{name}", getattr(self.ball, name))
         restitution, drag = self.ball.restitution, self.ball.drag_coefficient
@@ -198,7 +208,12 @@ class ServeScenario:
         require_positive("demonstration.cutoff", watched.cutoff)
         require_positive("demonstration.angle_weight", watched.angle_weight)
         self._validate_learning()
-        validate_simulation(self.plant, self.simulator)
+        contact = self.execution == "contact"
+        require(not contact or drag == 0, "ball.drag_coefficient", drag, "must be 0 with contact")
+        self.contact.validate(self.ball.radius)
+        self.unknown.validate(contact)
+        self.cameras.validate()
+        validate_simulation(self.plant, self.simulator, steps_allowed=contact)
         require(self.seed >= 0, "seed", self.seed, "must not be negative")
 
     def _validate_learning(self) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import QuaternionFloatingJoint, SpatialInertia, UnitInertia
+from pydrake.multibody.tree import Frame, QuaternionFloatingJoint, SpatialInertia, UnitInertia
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from drake_viapoint.errors import ModelFileError
@@ -31,49 +32,65 @@ class ServeScene:
         ModelFileError: A model cannot be read, or lacks the arm, a frame or the ball.
     """
 
+    touches = False
+    """Whether bodies may touch each other."""
+
     def __init__(self, scenario: ServeScenario, meshcat: Meshcat | None = None) -> None:
         self.arm = Arm(scene_path(scenario.robot.directives), scenario.robot.tool_frame)
         builder = DiagramBuilder()
-        self.plant = add_plant(builder, scenario.plant, meshcat)
-        self._load(scenario)
-        self.tracking = Tracking(
-            builder, self.plant, self.instance, self.arm, scenario.robot.natural_frequency
-        )
-        self.diagram = builder.Build()
-        self.diagram.set_name("serve")
-
-        context = self.plant.CreateDefaultContext()
-        racket = self.plant.GetFrameByName(scenario.robot.tool_frame)
-        seat = self._cup.CalcPose(context, racket)
-        self.cup = Cup(seat.translation(), seat.rotation().matrix()[:, 2])
-        ring = self.plant.GetFrameByName(scenario.ring_frame)
-        self.ring = ring.CalcPoseInWorld(context).translation()  # (3,) [m]
-
-    def _load(self, scenario: ServeScenario) -> None:
+        self.plant = add_plant(builder, scenario.plant, meshcat, touches=self.touches)
         add_models(self.plant, scenario.scene)
         try:
             self.instance = self.plant.GetModelInstanceByName(scenario.robot.arm)
             self.ball = self.plant.GetBodyByName(scenario.ball.body)
-            self._cup = self.plant.GetFrameByName(scenario.robot.cup_frame)
-            self.plant.GetFrameByName(scenario.ring_frame)
+            self.cup_frame = self.plant.GetFrameByName(scenario.robot.cup_frame)
+            self.racket_frame = self.plant.GetFrameByName(scenario.robot.tool_frame)
+            self.ring_frame = self.plant.GetFrameByName(scenario.ring_frame)
         except RuntimeError as error:
             raise ModelFileError(scenario.scene, " ".join(str(error).split())) from error
-        self.carry = self.plant.AddJoint(
-            QuaternionFloatingJoint("carry", self._cup, self.ball.body_frame())
+        self._carry = self.plant.AddJoint(
+            QuaternionFloatingJoint("carry", self._ball_inboard(), self.ball.body_frame())
         )
-        self.plant.Finalize()
         self._inertia = SpatialInertia(
             scenario.ball.mass,
             np.zeros(3),
             UnitInertia.HollowSphere(scenario.ball.radius),
         )
+        self._before_finalizing(scenario)
+        self.plant.Finalize()
+        self.tracking = Tracking(
+            builder, self.plant, self.instance, self.arm, scenario.robot.natural_frequency
+        )
+        self._after_finalizing(scenario, builder)
+        self.diagram = builder.Build()
+        self.diagram.set_name("serve")
+
+        context = self.plant.CreateDefaultContext()
+        self.cup_pose = self.cup_frame.CalcPose(context, self.racket_frame)
+        self.cup = Cup(self.cup_pose.translation(), self.cup_pose.rotation().matrix()[:, 2])
+        self.ring = self.ring_frame.CalcPoseInWorld(context).translation()  # (3,) [m]
 
     def load_ball(self, context: Context) -> None:
         """Put the ball into the cup, held there, its weight on the arm (a plant's context)."""
         self.ball.SetSpatialInertiaInBodyFrame(context, self._inertia)
-        self.carry.SetPose(context, RigidTransform())
-        self.carry.Lock(context)
+        self._carry.SetPose(context, RigidTransform())
+        self._carry.Lock(context)
 
     def unload_ball(self, context: Context) -> None:
         """Take the ball's weight off the arm: from here on it flies by itself."""
         self.ball.SetMass(context, 0.0)
+
+    def place_ball(self, context: Context, position: NDArray[np.float64]) -> None:
+        """Put the ball somewhere (3,) [m], whatever carries it there (a plant's context)."""
+        inboard = self._carry.frame_on_parent().CalcPoseInWorld(context)
+        self._carry.SetPose(context, inboard.inverse() @ RigidTransform(position))
+
+    def _ball_inboard(self) -> Frame:
+        """What the ball's floating joint floats from."""
+        return self.cup_frame
+
+    def _before_finalizing(self, scenario: ServeScenario) -> None:
+        """What else the plant gets."""
+
+    def _after_finalizing(self, scenario: ServeScenario, builder: DiagramBuilder) -> None:
+        """What else the diagram gets."""

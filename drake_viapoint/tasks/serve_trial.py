@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.robot.arm_motion import ArmMotion
+from drake_viapoint.tasks.cameras import Samples
 from drake_viapoint.tasks.disturbance import VelocityFactors
 from drake_viapoint.tasks.flight import Flight
-from drake_viapoint.tasks.trial import recorded_vector
-
-THROW = "T_H"
-"""Task variable of subtask 1: where the ball is when it should be hit [m]."""
-
-STRIKE = "T_G"
-"""Task variable of subtask 2: where the ball falls through the height of the ring [m]."""
+from drake_viapoint.tasks.racket import RacketMotion
+from drake_viapoint.tasks.seen_flight import SeenFlights
+from drake_viapoint.tasks.serve_results import STRIKE as STRIKE
+from drake_viapoint.tasks.serve_results import THROW as THROW
+from drake_viapoint.tasks.serve_results import ServeResults
+from drake_viapoint.tasks.serve_unknown import TrialDraw
+from drake_viapoint.tasks.trial import FAILED, recorded_vector
 
 
 class ServeOutcome(StrEnum):
@@ -36,15 +37,18 @@ class ServeOutcome(StrEnum):
 def serve_outcome(record: dict[str, Any]) -> Outcome:
     """What the learner is told of a recorded serve.
 
-    A ball still in the cup at t_HIT says nothing of the throw, nor does a refused movement.
+    A ball still in the cup at t_HIT says nothing of the throw, nor does a refused movement, nor a
+    ball that was not seen to fly. A trial that broke off says nothing at all.
     """
-    thrown = record["outcome"] != ServeOutcome.NOT_RELEASED
+    seen = "happened" in record
+    thrown = seen or record["outcome"] != ServeOutcome.NOT_RELEASED
     realized = {name: recorded_vector(record, name) for name in (THROW, STRIKE)}
     desired = {THROW: record.get("T_Hd"), STRIKE: record.get("T_Gd")}
     return Outcome(
         {**realized, THROW: realized[THROW] if thrown else None},
         {name: np.array(value, float) for name, value in desired.items() if value is not None},
         record["success"],
+        broken_off=record["outcome"] == FAILED and realized[THROW] is None,
     )
 
 
@@ -71,6 +75,28 @@ class BallEvent:
         }
 
 
+def ball_event(
+    name: str,
+    time: float,
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    racket: RacketMotion,
+) -> BallEvent:
+    """An event of the ball, with what the racket does then."""
+    state = racket([min(time, racket.end)])  # the arm stands still after its movement
+    return BallEvent(name, time, position, velocity, state.position[0], state.velocity[0])
+
+
+class SeenServe(NamedTuple):
+    """A serve as cameras saw it."""
+
+    results: ServeResults
+    ball: Samples
+    racket: Samples  # centre of its face
+    goal: Samples  # centre of its ring
+    flights: SeenFlights
+
+
 @dataclass(frozen=True)
 class ServeTrial:
     """Record of one serve.
@@ -79,45 +105,36 @@ class ServeTrial:
         ending: How it ended.
         events: Release, hit and fall through the ring's height, as far as they happened.
         hit_time: t_HIT, when the ball should be hit [s].
-        meeting: T_H, where the ball is at t_HIT on its undisturbed way (3,) [m].
-        desired_meeting: T_Hd, a ball's radius in front of the face's centre at t_HIT (3,) [m].
-        landing: T_G, where it falls through the ring's height (2,) [m]; None if it does not.
-        goal: T_Gd, the ring's centre (2,) [m].
-        success: Whether d and the landing error are within their tolerances.
+        happened: The task variables as they were.
         saturated: Joints whose torque was clamped at their effort.
         beyond_limits: Joints that left their range of angles or speeds at a step.
         tracking_error: Largest distance of a joint from its desired angle at a step [rad].
-        disturbed: What the disturbance made of the ball's velocity.
+        disturbed: What was drawn for this trial, and so differs from trial to trial.
         motion: How the arm moved.
-        carried: Centre of the ball in the cup (n, 3) [m] at times (n,) [s].
+        racket: How the racket moved.
+        path: Centre of the ball (n, 3) [m] at times (n,) [s].
         flights: The ball's flights: thrown, struck.
+        seen: What cameras saw, if it was they who told the learner.
     """
 
     ending: ServeOutcome
     events: tuple[BallEvent, ...]
     hit_time: float
-    meeting: NDArray[np.float64]
-    desired_meeting: NDArray[np.float64]
-    landing: NDArray[np.float64] | None
-    goal: NDArray[np.float64]
-    success: bool
+    happened: ServeResults
     saturated: tuple[str, ...]
     beyond_limits: tuple[str, ...]
     tracking_error: float
-    disturbed: VelocityFactors
+    disturbed: VelocityFactors | TrialDraw
     motion: ArmMotion
-    carried: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    racket: RacketMotion
+    path: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     flights: tuple[Flight, ...]
+    seen: SeenServe | None = None
 
     @property
-    def d(self) -> float:
-        """Distance of the ball from where the face should meet it, at t_HIT [m]."""
-        return float(np.linalg.norm(self.desired_meeting - self.meeting))
-
-    @property
-    def landing_error(self) -> float | None:
-        """Distance of the landing point from the goal's centre [m]."""
-        return None if self.landing is None else float(np.linalg.norm(self.landing - self.goal))
+    def told(self) -> ServeResults:
+        """The task variables as the learner is told them."""
+        return self.happened if self.seen is None else self.seen.results
 
     @property
     def end(self) -> float:
@@ -126,43 +143,28 @@ class ServeTrial:
 
     def ball_path(self, times: ArrayLike) -> NDArray[np.float64]:
         """Centre of the ball (n, 3) [m] at times (n,) [s]: carried, thrown, struck."""
-        t = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        starts = [flight.start for flight in self.flights]
-        stage = np.searchsorted(starts, t, side="right")
-        path = np.empty((t.size, 3))
-        in_cup = stage == 0
-        if in_cup.any():
-            path[in_cup] = self.carried(t[in_cup])
-        for number, flight in enumerate(self.flights, start=1):
-            path[stage == number] = flight.position(t[stage == number])
-        return path
+        return self.path(np.atleast_1d(np.asarray(times, dtype=np.float64)))
 
     def record(self) -> dict[str, Any]:
         """What a line of the run's trials keeps."""
-        return {
+        drawn = self.disturbed._asdict()
+        record = {
             "outcome": str(self.ending),
-            "success": self.success,
-            "d": self.d,
-            "landing_error": self.landing_error,
-            THROW: self.meeting.tolist(),
-            "T_Hd": self.desired_meeting.tolist(),
-            STRIKE: None if self.landing is None else self.landing.tolist(),
-            "T_Gd": self.goal.tolist(),
+            **self.told.record(),
             "events": [event.record() for event in self.events],
             "saturated": list(self.saturated),
             "beyond_limits": list(self.beyond_limits),
             "tracking_error": self.tracking_error,
-            "disturbed": {
-                "release": self.disturbed.release.tolist(),
-                "bounce": self.disturbed.bounce.tolist(),
-            },
+            "disturbed": {name: np.asarray(value).tolist() for name, value in drawn.items()},
         }
+        return record if self.seen is None else {**record, "happened": self.happened.record()}
 
     def summary(self) -> str:
         """The same in a few words."""
-        error = self.landing_error
+        told, error = self.told, self.told.landing_error
         landing = "" if error is None else f", {100 * error:.1f} cm from the goal's centre"
+        throw = "throw not seen" if told.d is None else f"d = {100 * told.d:.1f} cm"
         clamped = f", torque clamped: {' '.join(self.saturated)}" if self.saturated else ""
         beyond = f", beyond limits: {' '.join(self.beyond_limits)}" if self.beyond_limits else ""
         ending = str(self.ending).replace("_", " ")
-        return f"{ending}, d = {100 * self.d:.1f} cm{landing}{clamped}{beyond}"
+        return f"{ending}, {throw}{landing}{clamped}{beyond}"

@@ -17,7 +17,7 @@ UNREACHABLE = "unreachable"
 """Outcome of a movement that the robot cannot make."""
 
 FAILED = "failed"
-"""Outcome of a trial whose results are not numbers; its line in a run cannot hold them."""
+"""Outcome of a trial that broke off, or whose results are not numbers."""
 
 
 class Trial(Protocol):
@@ -34,20 +34,22 @@ class Trial(Protocol):
 
 @dataclass(frozen=True)
 class RefusedTrial:
-    """A movement the robot cannot make, so nothing came of it.
+    """A trial of which nothing came: the robot cannot make the movement, or it broke off.
 
     Attributes:
         reason: Why, as one line.
         missing: Names of the results it did not reach.
+        outcome: ``UNREACHABLE``, or ``FAILED`` if trying again may help.
     """
 
     reason: str
     missing: tuple[str, ...]
+    outcome: str = UNREACHABLE
 
     def record(self) -> dict[str, Any]:
         """See ``Trial``."""
         nothing = dict.fromkeys(self.missing)
-        return {"outcome": UNREACHABLE, "success": False, "reason": self.reason, **nothing}
+        return {"outcome": self.outcome, "success": False, "reason": self.reason, **nothing}
 
     def summary(self) -> str:
         """See ``Trial``."""

@@ -1,0 +1,132 @@
+"""Flights found in samples of a ball: parabolas, before and after a bounce.
+
+Without drag a flight minus gravity's part is a straight line in time, so fits are linear. They are
+robust: a sample taken while the ball was on the strings, or after it touched the goal, bends none.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from drake_viapoint.tasks.cameras import Samples
+from drake_viapoint.tasks.flight import GRAVITY, Parabola
+
+_LOOK = 0.2  # [s] of samples looked at to either side of a bounce; any throw flies longer
+_FEWEST = 4  # samples a flight must have
+_SEARCHED = 0.15  # [s] around its expected time in which a bounce is looked for
+_BENT = 3.0  # a bounce divides the variance left by a single parabola by more than this
+_NO_FLIGHT = 3.0  # times the noise: what is farther off than this in the mean does not fly
+_FINEST = 1e-3  # [m] cameras are not trusted to be better than this
+
+
+class SeenFlight(NamedTuple):
+    """A parabola through samples."""
+
+    flight: Parabola
+    off: float  # root mean square distance of a coordinate from it [m]
+
+
+class SeenFlights(NamedTuple):
+    """What was seen of a ball's way; None where there was no flight to be seen."""
+
+    thrown: Parabola | None
+    struck: Parabola | None
+
+
+def fit_flight(samples: Samples, noise: float) -> SeenFlight:
+    """The parabola that fits samples of a flight, those that do not belong to it disregarded.
+
+    Args:
+        samples: At least two.
+        noise: Of a coordinate [m]; samples much farther away count little.
+    """
+    basis, straight = _straightened(samples)
+    scale = max(noise, _FINEST)
+    slope = np.asarray(np.kron(basis, np.eye(3)) / scale, dtype=np.float64)
+
+    def residual(line: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(slope @ line - straight.ravel() / scale, dtype=np.float64)
+
+    def jacobian(_: NDArray[np.float64]) -> NDArray[np.float64]:
+        return slope
+
+    start = _line(basis, straight).ravel()
+    line = least_squares(residual, start, jacobian, loss="soft_l1").x.reshape(2, 3)
+    off = float(np.sqrt(np.mean((basis @ line - straight) ** 2)))
+    return SeenFlight(Parabola(float(samples.times[0]), line[0], line[1]), off)
+
+
+def find_flights(
+    ball: Samples, expected: float, noise: float, ring_height: float, rate: float
+) -> SeenFlights:
+    """The flights before and after the bounce nearest to when it is expected.
+
+    Args:
+        ball: Where it was seen.
+        expected: When it should be struck [s].
+        noise: Of a coordinate [m].
+        ring_height: Below this height [m] the struck ball is not looked at.
+        rate: Samples a second.
+    """
+    many = max(_FEWEST, round(_LOOK * rate))
+    bounce = _bounce(ball, expected, many)
+    if bounce is None:  # nothing happens around the time: one flight, or none
+        around = int(np.searchsorted(ball.times, expected))
+        return SeenFlights(_flight(_between(ball, around - many, around + many // 2), noise), None)
+    thrown = _flight(_between(ball, bounce - many, bounce), noise)
+    struck = _between(ball, bounce, ball.times.size)
+    struck = struck.within(struck.positions[:, 2] > ring_height)
+    if struck.times.size < _FEWEST:
+        return SeenFlights(thrown, None)
+    return SeenFlights(thrown, fit_flight(struck, noise).flight)
+
+
+def _flight(samples: Samples, noise: float) -> Parabola | None:
+    """The flight seen in samples; None if what they show does not fly."""
+    if samples.times.size < _FEWEST:
+        return None
+    seen = fit_flight(samples, noise)
+    return seen.flight if seen.off < _NO_FLIGHT * max(noise, _FINEST) else None
+
+
+def _bounce(ball: Samples, expected: float, many: int) -> int | None:
+    """The first sample after a bounce; None if a single parabola does as well."""
+    count = ball.times.size
+    near = np.flatnonzero(np.abs(ball.times - expected) < _SEARCHED).tolist()
+    splits: list[int] = [i for i in near if _FEWEST <= i <= count - _FEWEST]
+    if not splits:
+        return None
+    left = [_squares(ball, i - many, i) + _squares(ball, i, i + many) for i in splits]
+    best = splits[int(np.argmin(left))]
+    # of coordinates, less those that fix one line, or two
+    freedom = 3 * _between(ball, best - many, best + many).times.size
+    alone = _squares(ball, best - many, best + many) / (freedom - 6)
+    split = max(min(left), count * _FINEST**2 / 100) / (freedom - 12)
+    return best if alone / split > _BENT else None
+
+
+def _between(ball: Samples, start: int, end: int) -> Samples:
+    """Samples from one to before another, as far as there are any."""
+    chosen = slice(max(0, start), max(0, end))
+    return Samples(ball.times[chosen], ball.positions[chosen])
+
+
+def _squares(ball: Samples, start: int, end: int) -> float:
+    """What a parabola leaves of samples, squared and summed [m2]."""
+    basis, straight = _straightened(_between(ball, start, end))
+    return float(np.sum((basis @ _line(basis, straight) - straight) ** 2))
+
+
+def _straightened(samples: Samples) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Flights as lines: (n, 2) of 1 and time, and (n, 3) positions without gravity's part."""
+    t = samples.times - samples.times[0]
+    straight = samples.positions + np.array([0.0, 0.0, GRAVITY / 2]) * t[:, None] ** 2
+    return np.stack([np.ones_like(t), t], axis=1), straight
+
+
+def _line(basis: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.linalg.lstsq(basis, straight, rcond=None)[0], dtype=np.float64)

@@ -195,9 +195,12 @@ def racket_grip() -> Mesh:
 
 
 def cup() -> Mesh:
-    """A hollow half-sphere, opening along z about the resting ball's centre, on its stem."""
+    """A hollow bowl, opening along z about the resting ball's centre, on its stem.
+
+    It ends 20 mm below that centre: a deeper one would hold on to a ball that leaves.
+    """
     inner, outer = BALL_RADIUS + 0.0015, BALL_RADIUS + 0.0045
-    quarter = np.linspace(0.0, np.pi / 2.0, 10)
+    quarter = np.linspace(0.0, np.radians(60.0), 10)
     stem = [(0.0, -0.090), (0.007, -0.090), (0.007, -outer)]
     shell = [(outer * np.sin(a), -outer * np.cos(a)) for a in quarter[2:]]
     hollow = [(inner * np.sin(a), -inner * np.cos(a)) for a in quarter[:0:-1]]

@@ -148,7 +148,7 @@ def scenario(task: str, robot: bool) -> None:
 
 @cli.command()
 @click.option("--out", required=True, type=_EXISTING, help="Folder of figures and runs.")
-@click.option("--only", type=click.Choice(["serve", "upswing"]), help="Not everything.")
+@click.option("--only", type=click.Choice(["serve", "robot", "upswing"]), help="Not everything.")
 @click.option(
     "--persons",
     type=click.IntRange(0),
@@ -170,15 +170,28 @@ def scenario(task: str, robot: bool) -> None:
     show_default=True,
     help="Runs of the serve under each condition of section 3.2.",
 )
+@click.option(
+    "--robot-runs",
+    type=click.IntRange(0, 20),
+    default=20,
+    show_default=True,
+    help="Runs of the robot experiment of section 2.1.",
+)
 def reproduce(
-    out: Path, only: str | None, persons: int, upswing_persons: int, disturbed_runs: int
+    out: Path,
+    only: str | None,
+    persons: int,
+    upswing_persons: int,
+    disturbed_runs: int,
+    robot_runs: int,
 ) -> None:
-    """Run the serve and the upswing, draw our figures, then learn from many virtual persons.
+    """Run the serve, the robot and the upswing, draw our figures, learn from many persons.
 
     \b
     Examples:
       drake-viapoint reproduce --out results
       drake-viapoint reproduce --out results --only upswing --upswing-persons 20
+      drake-viapoint reproduce --out results --only robot --robot-runs 4
     """
     with importing():
         from drake_viapoint.reproduction.reproduce import reproduce as reproduce_all
@@ -188,7 +201,13 @@ def reproduce(
 
     with interruptible(lambda: "interrupted; the same command goes on from here"):
         lines = reproduce_all(
-            out, persons, upswing_persons, progress, only, disturbed_runs=disturbed_runs
+            out,
+            persons,
+            upswing_persons,
+            progress,
+            only,
+            disturbed_runs=disturbed_runs,
+            robot_runs=robot_runs,
         )
     for line in lines:
         click.echo(line)

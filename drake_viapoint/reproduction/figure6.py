@@ -55,13 +55,13 @@ def _draw_trial(ax: Axes, task: ServeTask, trial: ServeTrial, i: int, j: int) ->
         markersize=3,
         label="arm at $t_{HIT}$",
     )
-    tool = task.scene.arm.tool_pose(q)
+    racket = trial.racket([trial.hit_time])
     turn = np.linspace(0, 2 * np.pi, 60)
     robot = task.scenario.robot
     rim = np.stack(
         [robot.half_width * np.cos(turn), np.zeros(60), robot.half_length * np.sin(turn)], axis=1
     )
-    face = tool.position + rim @ tool.rotation.T
+    face = racket.position[0] + rim @ racket.rotation[0].T
     ax.plot(face[:, i], face[:, j], color=OURS, linewidth=1.5, label="racket at $t_{HIT}$")
     times = np.linspace(0.0, trial.end, 400)
     ball = trial.ball_path(times)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drake_viapoint.reproduction.conditions import reproduce_conditions
 from drake_viapoint.reproduction.progress import Progress
+from drake_viapoint.reproduction.robot import reproduce_robot
 from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
 from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
 
@@ -18,8 +19,9 @@ def reproduce(
     only: str | None = None,
     *,
     disturbed_runs: int = 100,
+    robot_runs: int = 20,
 ) -> list[str]:
-    """Reproduce the serve (sections 2 and 3.2) and the upswing (section 3.3).
+    """Reproduce the serve (sections 2 and 3.2), on a robot (2.1), and the upswing (3.3).
 
     What the folder holds already is gone on with, not done again.
 
@@ -28,8 +30,9 @@ def reproduce(
         serve_persons: Virtual persons from whom the serve is learned; no study if 0.
         upswing_persons: The same for the upswing.
         progress: Shows what goes on.
-        only: "serve" or "upswing"; both if None.
+        only: "serve", "robot" or "upswing"; all if None.
         disturbed_runs: Of the serve under each condition of section 3.2; no study if 0.
+        robot_runs: Of the robot experiment; none if 0.
 
     Returns:
         Lines that say what was found and where it is.
@@ -42,6 +45,8 @@ def reproduce(
         lines += reproduce_serve(out, serve_persons, progress)
         if disturbed_runs:
             lines += reproduce_conditions(out, disturbed_runs, progress)
+    if only in (None, "robot") and robot_runs:
+        lines += reproduce_robot(out, robot_runs, progress)
     if only in (None, "upswing"):
         lines += reproduce_upswing(out, upswing_persons, progress)
     return lines

@@ -1,4 +1,7 @@
-"""Section 2.1 from a run made here and now: our Figs. 2 to 7, three recordings, the study."""
+"""The serve from a run made here and now: our Figs. 2 to 5, its curve, three recordings, the study.
+
+Executed by events, as in the paper's simulation; our Figs. 6 and 7 are the robot's.
+"""
 
 from __future__ import annotations
 
@@ -18,18 +21,18 @@ from drake_viapoint.reproduction import (
 )
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
+from drake_viapoint.reproduction.shown_trials import executed_trials, shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, SYNTHETIC, save
 from drake_viapoint.reproduction.table import write_table
-from drake_viapoint.runs.learning_run import learn, recorded_via_points
+from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.task_run import begin_or_resume
 from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
-from drake_viapoint.tasks.serve_trial import ServeTrial
 
 
 def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> list[str]:
-    """Run the serve, draw our Figs. 2 to 7, record three trials, learn from many persons.
+    """Run the serve, draw our Figs. 2 to 5 and its curve, learn it from many persons.
 
     Runs that the folder holds already are gone on with, not done again.
 
@@ -73,7 +76,7 @@ def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> li
         f"serve: learned at trial {result.learned_at}"
         if result.learned_at
         else f"serve: not learned within {result.trials} trials",
-        f"figures in {out}/figure2.png to figure7.png",
+        f"figures in {out}/figure2.png to figure5.png, serve_views.png and serve_curve.png",
         "recordings in " + ", ".join(str(page) for _, page in recordings),
     ]
     if components.first_meeting(records, scenario.learning.throw.reached):
@@ -90,39 +93,13 @@ def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> li
     return lines
 
 
-def shown_trials(records: Sequence[Mapping[str, Any]]) -> dict[str, list[int]]:
-    """Which trials our Fig. 6 shows, by column title: first, first hit, last with its repeats.
-
-    The first hit is the trial that ended subtask 1: ball and face met, the goal still missed.
-    """
-    before_strike = [r["trial"] for r in records if r["subtask"] == "throw"]
-    first_hit = before_strike[-1] if before_strike else records[-1]["trial"]
-    repeats = [r["trial"] for r in records if r["purpose"] == "repeat"]
-    last = [repeats[0] - 1, *repeats] if repeats else [records[-1]["trial"]]
-    span = f"trials {last[0]} to {last[-1]}" if len(last) > 1 else f"trial {last[0]}"
-    return {
-        "first trial": [1],
-        f"trial {first_hit}: subtask 1 done": [first_hit],
-        f"{span}: the end": last,
-    }
-
-
 def _figures(
     task: ServeTask, records: Sequence[dict[str, Any]], shown: Mapping[str, Sequence[int]]
 ) -> dict[str, Any]:
     watched = task.watched
     times = watched.pose.times - watched.pose.times[0]
     note = f" ({SYNTHETIC})" if watched.synthetic else ""
-    executed: dict[str, list[ServeTrial]] = {}
-    for title, numbers in shown.items():
-        trials = [
-            task.execute(
-                recorded_via_points(records[number - 1], task.via_points.names),
-                records[number - 1]["seed"],
-            )
-            for number in numbers
-        ]
-        executed[title] = [trial for trial in trials if isinstance(trial, ServeTrial)]
+    executed = executed_trials(task, records, shown)
     learning = task.scenario.learning
     return {
         "figure2": figure2.draw(watched),
@@ -136,6 +113,8 @@ def _figures(
             hit_time=watched.hit_time,
         ),
         "figure5": figure5.draw(task),
-        "figure6": figure6.draw(task, executed),
-        "figure7": figure7.draw(records, learning.meeting_tolerance, learning.landing_tolerance),
+        "serve_views": figure6.draw(task, executed),
+        "serve_curve": figure7.draw(
+            records, learning.meeting_tolerance, learning.landing_tolerance
+        ),
     }

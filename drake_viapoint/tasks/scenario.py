@@ -9,13 +9,9 @@ from typing import Any, Protocol, TypeVar
 
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
-from pydrake.multibody.plant import (
-    ApplyMultibodyPlantConfig,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-)
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.systems.framework import DiagramBuilder
 
 from drake_viapoint.errors import ScenarioError
 
@@ -153,8 +149,9 @@ def validate_simulation(
     require(1e-12 <= accuracy <= 1, "simulator.accuracy", accuracy, "must be in [1e-12, 1]")
     require(start == 0, "simulator.start_time", start, "must be 0")
     try:
-        ApplyMultibodyPlantConfig(plant, MultibodyPlant(step))
-        ApplySimulatorConfig(simulator, Simulator(ConstantVectorSource([0.0])))
+        builder = DiagramBuilder()  # some integrators want to see a plant
+        AddMultibodyPlant(plant, builder)[0].Finalize()
+        ApplySimulatorConfig(simulator, Simulator(builder.Build()))
     except RuntimeError as error:
         raise ScenarioError(f"plant or simulator: {' '.join(str(error).split())}") from error
 

@@ -88,14 +88,16 @@ class BallFallsOutError(ViapointError):
 
     Attributes:
         distance: How far the ball was from its seat when it was given up [m].
+        speed: How fast it was then [m/s].
     """
 
-    def __init__(self, distance: float) -> None:
+    def __init__(self, distance: float, speed: float) -> None:
         super().__init__(
-            f"the ball does not rest in the cup: before the movement begins it is "
-            f"{1e3 * distance:.1f} mm from its seat"
+            "the ball does not rest in the cup: before the movement begins it is "
+            f"{1e3 * distance:.1f} mm from its seat and moves at {speed:.3g} m/s"
         )
         self.distance = distance
+        self.speed = speed
 
 
 class BrokenOffError(ViapointError):

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import yaml
 from small_studies import rows_in, study_file
 
 from drake_viapoint import cli
@@ -28,6 +29,7 @@ from drake_viapoint.packages import resolve
 from drake_viapoint.runs import task_run
 from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, read_trials
 from drake_viapoint.runs.study_table import read_table
+from drake_viapoint.tasks.catalogue import ROBOT_SERVE
 from drake_viapoint.tasks.pendulum import PendulumMotion, Recurrence
 
 SERVE = resolve("package://drake_viapoint/demonstrations/serve.c3d")
@@ -558,6 +560,42 @@ def test_the_printed_scenario_is_one(command: Callable[..., Answer], tmp_path: P
 
 
 # ---------------------------------------------------------------------------- replay and extract
+
+
+def test_the_robots_scenario_is_one(command: Callable[..., Answer], tmp_path: Path) -> None:
+    answer = command("scenario", "serve", "--robot")
+    assert (answer.code, answer.err) == (0, "")
+    assert "execution: contact\n" in answer.out
+    command("scenario", "upswing", "--robot").refuses("--robot is of the serve")
+    file = tmp_path / "robot.yaml"
+    file.write_text(answer.out)
+    command("learn", "serve", "--out", "x", "--robot", "--scenario", file).refuses(
+        "either --robot or --scenario"
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("contact.strings_stiffness", 0, ["contact.strings_stiffness must be positive, got 0"]),
+        ("contact.cup_stiffness", -1, ["contact.cup_stiffness must be positive, got -1"]),
+        ("ball.restitution", 1.5, ["ball.restitution must be in (0, 1], got 1.5"]),
+        ("cameras.rate", 0, ["cameras.rate must be positive, got 0"]),
+        ("contact.cup_radius", 0.02, ["the cup is smaller than the ball, got 0.02"]),
+        ("robot.cup_frame", "handle", ["the ball does not rest in the cup"]),
+        ("robot.mount_frame", "nowhere", ["no frame 'nowhere'"]),
+    ],
+)
+def test_robots_that_cannot_serve_are_one_line_and_leave_no_folder(
+    command: Callable[..., Answer], tmp_path: Path, key: str, value: object, words: list[str]
+) -> None:
+    part, name = key.split(".")
+    file = tmp_path / "robot.yaml"
+    scenario = yaml.safe_load(resolve(ROBOT_SERVE).read_text())
+    scenario.setdefault(part, {})[name] = value
+    file.write_text(yaml.safe_dump(scenario))
+    command("learn", "serve", "--out", "run", "--scenario", file).refuses(*words)
+    assert not (tmp_path / "run").exists()
 
 
 def test_replay(command: Callable[..., Answer], run: Path, tmp_path: Path) -> None:

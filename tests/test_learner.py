@@ -567,6 +567,39 @@ def test_what_is_not_finite_is_refused_by_name_and_number_and_tried_again(
     assert learner.ask() is not asked
 
 
+@pytest.mark.parametrize("broken", [{1}, {4}, {9, 10}, {1, 2, 8}])
+def test_trials_that_break_off_count_and_are_done_again(broken: set[int]) -> None:
+    """What is learned is the same; only the trials that said nothing come on top."""
+    nothing = Outcome({"T_H": None, "T_G": None}, {}, False, broken_off=True)
+
+    def executed(broken: set[int]) -> tuple[list[NDArray], Learner]:
+        world, learner = random_world(0), Learner(via_points(), (THROW, STRIKE))
+        told: list[NDArray] = []
+        while not learner.finished and learner.trials < 60:
+            proposal = learner.ask()
+            number = learner.trials + 1
+            told.append(proposal.via_points.values)
+            learner.tell(nothing if number in broken else world(proposal))
+        return told, learner
+
+    smooth, whole = executed(set())
+    interrupted, learner = executed(broken)
+    assert whole.learned_at is not None
+    assert learner.learned_at == whole.learned_at + len(broken)
+    kept = [told for n, told in enumerate(interrupted, start=1) if n not in broken]
+    np.testing.assert_array_equal(kept, smooth)
+
+
+def test_a_repeat_that_breaks_off_is_not_made_up_for() -> None:
+    world, learner = random_world(0), Learner(via_points(), (THROW, STRIKE), repeats=3)
+    nothing = Outcome({"T_H": None, "T_G": None}, {}, False, broken_off=True)
+    while not learner.finished:
+        proposal = learner.ask()
+        learner.tell(nothing if proposal.purpose is Purpose.REPEAT else world(proposal))
+    assert learner.learned_at is not None
+    assert learner.trials == learner.learned_at + 3
+
+
 def test_a_missing_task_variable_is_named() -> None:
     learner = Learner(via_points(), (THROW, STRIKE))
     learner.ask()

@@ -26,7 +26,8 @@ from drake_viapoint.reproduction import (
     persons,
 )
 from drake_viapoint.reproduction.persons import PersonResult
-from drake_viapoint.reproduction.serve_reproduction import reproduce_serve, shown_trials
+from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
+from drake_viapoint.reproduction.shown_trials import shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, save
 from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
@@ -152,6 +153,19 @@ def test_figure_7_shows_every_trial_once(two_trials: list[dict[str, Any]]) -> No
     assert marked == [1.0, 2.0, 3.0, 4.0, 5.0]
 
 
+def test_figure_7_shows_what_happened_and_what_was_seen(two_trials: list[dict[str, Any]]) -> None:
+    happened = {**two_trials[0], "d": 0.03, "landing_error": 0.4}
+    records = [{**two_trials[0], "d": 0.02, "landing_error": 0.1, "happened": happened}]
+    figure = figure7.draw(records, 0.05, 0.125, runs=[records, two_trials])
+    curve, _, *below = figure.axes
+    shown = {str(line.get_label()): list(line.get_ydata()) for line in curve.lines}
+    assert shown["ball to racket centre, $d$"] == [0.03]
+    assert shown["$d$, as seen by the cameras"] == [0.02]
+    assert shown["$|T_{Gd} - T_G|$, as seen by the cameras"] == [0.1]
+    assert [len(panel.lines) for panel in below] == [3, 3], "two runs and a bar"
+    assert drawn(figure)
+
+
 def test_a_picture_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for path in (tmp_path / "file" / "x.png", tmp_path / "x.docx"):
@@ -226,7 +240,8 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
     names = {path.name for path in out.iterdir()}
     pages = {name for name in names if name.endswith(".html")}
     assert names - pages == {
-        *(f"figure{number}.png" for number in (*range(2, 8), 9)),
+        *(f"figure{number}.png" for number in (2, 3, 4, 5, 9)),
+        "serve_views.png", "serve_curve.png",
         *(f"components_{name}.csv" for name in ("throw", "strike_norm", "strike_ratio")),
         "persons", "persons.csv", "persons.png", "serve",
     }  # fmt: skip

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from pydrake.systems.analysis import GetIntegrationSchemes
 
 from drake_viapoint.errors import ScenarioError
+from drake_viapoint.packages import resolve
+from drake_viapoint.tasks.catalogue import ROBOT_SERVE
 from drake_viapoint.tasks.scenario import dump_scenario, load_scenario
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 
@@ -156,6 +158,13 @@ def test_numbers_no_serve_can_have_are_refused(tmp_path: Path, key: str, value: 
         "learning.successes",
         "simulator.max_step_size",
         "simulator.accuracy",
+        "contact.strings_stiffness",
+        "contact.cup_stiffness",
+        "contact.ring_stiffness",
+        "contact.ring_restitution",
+        "contact.speed",
+        "contact.step",
+        "cameras.rate",
     ],
 )
 def test_zero_is_refused_where_it_means_nothing(tmp_path: Path, key: str) -> None:
@@ -177,6 +186,11 @@ def test_zero_is_refused_where_it_means_nothing(tmp_path: Path, key: str) -> Non
         ("learning.strike.taper_start", 0.1),
         ("plant.time_step", 0.001),
         ("simulator.start_time", 1.0),
+        ("simulator.integration_scheme", "cenic"),
+        ("contact.ring_restitution", 1.01),
+        ("cameras.see", "everything"),
+        ("unknown.inertia", 0.05),
+        ("unknown.mount", 0.005),
     ],
 )
 def test_other_values_beyond_their_bounds(tmp_path: Path, key: str, value: object) -> None:
@@ -238,3 +252,56 @@ def test_every_number_within_its_bounds_is_taken(tmp_path: Path) -> None:
             continue
         larger = value + 1 if isinstance(value, int) else value * 1.01
         assert get(load(tmp_path, nested(key, larger)), key) == larger
+
+
+def contact(key: str, value: object) -> dict[str, Any]:
+    return {"execution": "contact", **nested(key, value)}
+
+
+@pytest.mark.parametrize("key", [f"unknown.{name}" for name in ("inertia", "mount", "restitution")])
+def test_with_contact_much_may_be_unknown(tmp_path: Path, key: str) -> None:
+    assert get(load(tmp_path, contact(key, 0.05)), key) == 0.05
+    with pytest.raises(ScenarioError, match=r"must be in \[0, 1\), got 1.0"):
+        load(tmp_path, contact(key, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "reason"),
+    [
+        ("ball.drag_coefficient", 0.507, "must be 0 with contact"),
+        ("disturbance.release", 0.03, "must be 0 with contact"),
+        ("disturbance.bounce", 0.03, "must be 0 with contact"),
+        ("plant.time_step", 0.02, r"must be in \[0, 0.01\]"),
+        ("contact.cup_radius", 0.03, "the cup is smaller than the ball"),
+        ("contact.ball_mesh", 0.02, "must be at most half the ball's radius, 0.0165"),
+        ("contact.strings_stiffness", -2e4, "must be positive"),
+    ],
+)
+def test_what_contact_does_not_go_with(tmp_path: Path, key: str, value: float, reason: str) -> None:
+    with pytest.raises(ScenarioError, match=f"{key} .*{reason}") as caught:
+        load(tmp_path, contact(key, value))
+    assert f"got {value}" in str(caught.value)
+
+
+def test_a_larger_ball_needs_a_larger_cup(tmp_path: Path) -> None:
+    large = {"execution": "contact", "ball": {"radius": 0.04}}
+    with pytest.raises(ScenarioError, match=r"contact\.cup_radius must be at least"):
+        load(tmp_path, large)
+    assert load(tmp_path, {"ball": {"radius": 0.04}}).ball.radius == 0.04, (
+        "by events none is needed"
+    )
+    assert load(tmp_path, {**large, "contact": {"cup_radius": 0.042}}).contact.cup_radius == 0.042
+
+
+def test_the_robots_scenario_is_section_2_1s() -> None:
+    scenario = load_scenario(resolve(ROBOT_SERVE), ServeScenario)
+    learning, cameras = scenario.learning, scenario.cameras
+    assert scenario.execution == "contact"
+    assert learning.throw.control == ["x3", "y3", "z3", "x4", "y4", "z4"]
+    assert learning.strike.control == ["phi6", "theta6", "psi6"]
+    assert learning.position_perturbation == 0.01
+    assert learning.angle_perturbation == pytest.approx(math.radians(1.0))
+    assert learning.strike.gate == 0.1
+    assert (cameras.see, cameras.rate) == ("samples", 60.0)
+    assert 0.005 <= cameras.noise * math.sqrt(3) <= 0.010
+    assert scenario.unknown.inertia == 0.05

@@ -18,6 +18,7 @@ from pydrake.systems.framework import Context, Diagram, EventStatus
 
 T = TypeVar("T")
 
+_SHORTEST_STEP = 1e-9  # [s]
 _MOST_HALVINGS = 4  # of the step; a torque that is clamped makes kinks that no step resolves
 
 
@@ -113,8 +114,14 @@ class Stepping:
 
         Steps are no longer than ``step`` [s]; where the integrator controls its error it may reject
         some, and goes on.
+
+        Raises:
+            RuntimeError: The integrator, Drake's, does not get on: its steps would have to be
+                shorter than a nanosecond.
         """
-        self._simulator.get_mutable_integrator().set_maximum_step_size(step)
+        integrator = self._simulator.get_mutable_integrator()
+        integrator.set_maximum_step_size(step)
+        integrator.set_requested_minimum_step_size(_SHORTEST_STEP)
         self._simulator.AdvanceTo(end)
 
     def _spoilt(self) -> bool:

@@ -125,23 +125,26 @@ def require_one_of(key: str, value: str, choices: tuple[str, ...]) -> None:
 
 
 def validate_simulation(
-    plant: MultibodyPlantConfig, simulator: SimulatorConfig, *, steps_allowed: bool = False
+    plant: MultibodyPlantConfig, simulator: SimulatorConfig, *, contact: bool = False
 ) -> None:
     """Check Drake's own configuration: some values it does not refuse but stops the process for.
 
     Args:
         plant: Of the plant.
         simulator: Of the simulator.
-        steps_allowed: Whether the plant may move in steps of its own.
+        contact: Whether bodies touch: then the plant may move in steps of its own, and integrators
+            that solve for contact may be used.
 
     Raises:
         ScenarioError: Names the value and the bound.
     """
     step = plant.time_step
-    if steps_allowed:
+    scheme = simulator.integration_scheme
+    if contact:
         require(0 <= step <= 0.01, "plant.time_step", step, "must be in [0, 0.01]")
     else:
         require(step == 0, "plant.time_step", step, "must be 0: trials are in continuous time")
+        require(scheme != "cenic", "simulator.integration_scheme", scheme, "must not need contact")
     for name in ("penetration_allowance", "stiction_tolerance", "sap_near_rigid_threshold"):
         require_positive(f"plant.{name}", getattr(plant, name))
     longest, accuracy, start = simulator.max_step_size, simulator.accuracy, simulator.start_time

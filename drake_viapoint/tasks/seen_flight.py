@@ -19,15 +19,7 @@ _LOOK = 0.2  # [s] of samples looked at to either side of a bounce; any throw fl
 _FEWEST = 4  # samples a flight must have
 _SEARCHED = 0.15  # [s] around its expected time in which a bounce is looked for
 _BENT = 3.0  # a bounce divides the variance left by a single parabola by more than this
-_NO_FLIGHT = 3.0  # times the noise: what is farther off than this in the mean does not fly
 _FINEST = 1e-3  # [m] cameras are not trusted to be better than this
-
-
-class SeenFlight(NamedTuple):
-    """A parabola through samples."""
-
-    flight: Parabola
-    off: float  # root mean square distance of a coordinate from it [m]
 
 
 class SeenFlights(NamedTuple):
@@ -37,7 +29,7 @@ class SeenFlights(NamedTuple):
     struck: Parabola | None
 
 
-def fit_flight(samples: Samples, noise: float) -> SeenFlight:
+def fit_flight(samples: Samples, noise: float) -> Parabola:
     """The parabola that fits samples of a flight, those that do not belong to it disregarded.
 
     Args:
@@ -56,8 +48,7 @@ def fit_flight(samples: Samples, noise: float) -> SeenFlight:
 
     start = _line(basis, straight).ravel()
     line = least_squares(residual, start, jacobian, loss="soft_l1").x.reshape(2, 3)
-    off = float(np.sqrt(np.mean((basis @ line - straight) ** 2)))
-    return SeenFlight(Parabola(float(samples.times[0]), line[0], line[1]), off)
+    return Parabola(float(samples.times[0]), line[0], line[1])
 
 
 def find_flights(
@@ -76,21 +67,23 @@ def find_flights(
     bounce = _bounce(ball, expected, many)
     if bounce is None:  # nothing happens around the time: one flight, or none
         around = int(np.searchsorted(ball.times, expected))
-        return SeenFlights(_flight(_between(ball, around - many, around + many // 2), noise), None)
-    thrown = _flight(_between(ball, bounce - many, bounce), noise)
-    struck = _between(ball, bounce, ball.times.size)
-    struck = struck.within(struck.positions[:, 2] > ring_height)
-    if struck.times.size < _FEWEST:
-        return SeenFlights(thrown, None)
-    return SeenFlights(thrown, fit_flight(struck, noise).flight)
+        before = _between(ball, around - many, around + many // 2)
+        return SeenFlights(fit_flight(before, noise) if _falls(before) else None, None)
+    before = _between(ball, bounce - many, bounce)
+    thrown = fit_flight(before, noise) if _falls(before) else None
+    after = _between(ball, bounce, ball.times.size)
+    after = after.within(after.positions[:, 2] > ring_height)
+    flies = _falls(_between(after, 0, many))  # later it may touch the goal
+    return SeenFlights(thrown, fit_flight(after, noise) if flies else None)
 
 
-def _flight(samples: Samples, noise: float) -> Parabola | None:
-    """The flight seen in samples; None if what they show does not fly."""
+def _falls(samples: Samples) -> bool:
+    """Whether what samples show falls like a ball that nothing holds."""
     if samples.times.size < _FEWEST:
-        return None
-    seen = fit_flight(samples, noise)
-    return seen.flight if seen.off < _NO_FLIGHT * max(noise, _FINEST) else None
+        return False
+    t = samples.times - samples.times[0]
+    acceleration = 2 * float(np.polyfit(t, samples.positions[:, 2], 2)[0])
+    return -1.5 * GRAVITY < acceleration < -0.5 * GRAVITY
 
 
 def _bounce(ball: Samples, expected: float, many: int) -> int | None:

@@ -43,6 +43,7 @@ class ContactScene(ServeScene):
         strings: The oval that strikes, about the racket's frame.
         cup_rings: Seat and wall of the cup, about its frame.
         goal_ring: The goal's ring, about its frame.
+        dissipation: Of the ball on the strings [s/m], before it differs.
     """
 
     touches = True
@@ -53,6 +54,7 @@ class ContactScene(ServeScene):
         self.cup_rings = cup_rings(contact.cup_radius, scenario.ball.radius)
         self.goal_ring = goal_ring(contact.ring_radius, contact.ring_tube)
         self._config = scenario
+        self.dissipation = dissipation(scenario.ball.restitution, contact.speed)
         super().__init__(scenario, meshcat)
         self._scene_graph: SceneGraph = self.diagram.GetSubsystemByName("scene_graph")
         # where the tool is held, in the tool

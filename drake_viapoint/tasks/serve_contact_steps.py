@@ -24,12 +24,14 @@ from drake_viapoint.tasks.serve_contact_scene import ContactScene
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_unknown import TrialDraw, Unknown
 
+_NO_TIME = 1e-6  # [s]
 _LOOK = 1e-3  # [s] between two looks at a ball that may touch something
 _MARGIN = 1e-3  # [m] nearer than this, the ball may touch
 _LONGEST_GLIDE = 0.01  # [s] between two looks, however far away everything is
 _SURPRISE = 2.0  # [m/s] that ball and racket may gain on each other between two looks
 _REACH = 0.6  # [m] from the racket's origin to its farthest point
 _RESTING = 1e-3  # [m/s] a slower ball rests
+_LONG_ENOUGH = 10  # looks
 _PATIENCE = 2.0  # [s] by when the ball should rest in the cup
 _AFTERWARDS = 2.0  # [s] after the movement, by when the ball should have landed
 
@@ -115,30 +117,34 @@ class ContactIntegration:
         own = scene.plant.GetMyMutableContextFromRoot(stepping.context)
         scene.plant.SetPositions(own, scene.instance, start)
         scene.seat_ball(own)
-        slow = 0
-        while slow < 10:
+        slow = 0  # looks in a row at which it did not move
+        while slow < _LONG_ENOUGH:
             self._march(_LOOK, self._step)
             state = self._ball()
             away = np.linalg.norm(state[:3] - scene.cup_frame.CalcPoseInWorld(own).translation())
+            speed = np.linalg.norm(state[3:])
             if away > self._radius or stepping.context.get_time() > _PATIENCE:
-                raise BallFallsOutError(float(away))
-            slow = slow + 1 if np.linalg.norm(state[3:]) < _RESTING else 0
+                raise BallFallsOutError(float(away), float(speed))
+            slow = slow + 1 if speed < _RESTING else 0
 
     def _advance(self, ball: NDArray[np.float64], until: float) -> None:
         """Go on to the next look."""
         glide = self._glide(ball)
-        left = until - self._stepping.context.get_time()
         if glide > _LOOK:
-            self._march(min(glide, left), self._longest)
+            self._march(glide, self._longest, until)
         else:
-            self._march(min(_LOOK, left), self._step)
+            self._march(_LOOK, self._step, until)
 
-    def _march(self, span: float, longest: float) -> None:
-        """Integrate over a span [s] in equal steps no longer than this [s]."""
+    def _march(self, span: float, longest: float, until: float = np.inf) -> None:
+        """Integrate over a span [s], in equal steps no longer than this [s], to a time at most."""
         stepping = self._stepping
         before = stepping.context.get_time()
+        end = before + span
+        if end > until - _NO_TIME:  # to the very time, and without a last step of no length
+            end = until
+        count = np.ceil((end - before) / longest - 1e-9)
         try:
-            stepping.march(before + span, span / np.ceil(span / longest - 1e-9))
+            stepping.march(end, (end - before) / count)
         except RuntimeError as error:
             raise BrokenOffError(before, " ".join(str(error).split())) from error
         state = self._ball()

@@ -47,8 +47,12 @@ class ServeContact:
     step: float = 1e-3
     """While the ball may touch something; simulator.max_step_size holds while it flies."""
 
-    def validate(self, ball_radius: float) -> None:
+    def validate(self, contact: bool, ball_radius: float) -> None:
         """Check every value against its bounds.
+
+        Args:
+            contact: Whether trials are executed with contact; else no ball needs to fit.
+            ball_radius: Of the ball [m].
 
         Raises:
             ScenarioError: Names the value and the bound.
@@ -59,25 +63,19 @@ class ServeContact:
                 require_not_negative(f"contact.{item.name}", value)
             else:
                 require_positive(f"contact.{item.name}", value)
-        require(
-            self.ring_restitution <= 1,
-            "contact.ring_restitution",
-            self.ring_restitution,
-            "must be in (0, 1]",
-        )
-        require(
-            self.ball_mesh <= ball_radius / 2,
-            "contact.ball_mesh",
-            self.ball_mesh,
-            f"must be at most half the ball's radius, {ball_radius / 2:g}",
-        )
-        require(
-            self.cup_radius >= ball_radius,
-            "contact.cup_radius",
-            self.cup_radius,
-            f"must be at least the ball's radius {ball_radius:g}: the cup is smaller than the ball",
-        )
+        bounce = self.ring_restitution
+        require(bounce <= 1, "contact.ring_restitution", bounce, "must be in (0, 1]")
         require(1e-6 <= self.step <= 0.01, "contact.step", self.step, "must be in [1e-6, 0.01]")
+        if contact:
+            coarsest = f"must be at most half the ball's radius, {ball_radius / 2:g}"
+            require(
+                self.ball_mesh <= ball_radius / 2, "contact.ball_mesh", self.ball_mesh, coarsest
+            )
+            widest = (
+                f"must be at least the ball's radius {ball_radius:g}: the cup is smaller than the "
+                "ball"
+            )
+            require(self.cup_radius >= ball_radius, "contact.cup_radius", self.cup_radius, widest)
 
 
 @dataclass

@@ -20,6 +20,8 @@ from drake_viapoint.tasks.scenario import (
 )
 from drake_viapoint.tasks.serve_robot_scenario import ServeCameras, ServeContact, ServeUnknown
 
+_NOT_WITH_CONTACT = "must be 0 with contact"
+
 
 @dataclass
 class ServeDemonstration:
@@ -186,9 +188,12 @@ class ServeScenario:
         restitution, drag = self.ball.restitution, self.ball.drag_coefficient
         require(0 < restitution <= 1, "ball.restitution", restitution, "must be in (0, 1]")
         require(0 <= drag <= 10, "ball.drag_coefficient", drag, "must be in [0, 10]")
+        contact = self.execution == "contact"
+        require(not contact or drag == 0, "ball.drag_coefficient", drag, _NOT_WITH_CONTACT)
         for name in ("release", "bounce"):
             share = getattr(self.disturbance, name)
             require(0 <= share < 1, f"disturbance.{name}", share, "must be in [0, 1)")
+            require(not contact or share == 0, f"disturbance.{name}", share, _NOT_WITH_CONTACT)
         for name in (
             "natural_frequency",
             "position_threshold",
@@ -208,12 +213,10 @@ class ServeScenario:
         require_positive("demonstration.cutoff", watched.cutoff)
         require_positive("demonstration.angle_weight", watched.angle_weight)
         self._validate_learning()
-        contact = self.execution == "contact"
-        require(not contact or drag == 0, "ball.drag_coefficient", drag, "must be 0 with contact")
-        self.contact.validate(self.ball.radius)
+        self.contact.validate(contact, self.ball.radius)
         self.unknown.validate(contact)
         self.cameras.validate()
-        validate_simulation(self.plant, self.simulator, steps_allowed=contact)
+        validate_simulation(self.plant, self.simulator, contact=contact)
         require(self.seed >= 0, "seed", self.seed, "must not be negative")
 
     def _validate_learning(self) -> None:

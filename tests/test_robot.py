@@ -13,7 +13,7 @@ import pytest
 from contact_scenes import robot_scenario
 from progress_bars import Bars
 
-from drake_viapoint.errors import StudyError
+from drake_viapoint.errors import RunFolderError
 from drake_viapoint.packages import resolve
 from drake_viapoint.reproduction.robot import STUDY, reproduce_robot, study_robot
 from drake_viapoint.runs.learning_run import learn
@@ -99,5 +99,5 @@ def test_figures_table_and_recordings_of_a_sweep(run: Path, tmp_path: Path) -> N
 def test_another_sweep_in_the_folder_is_refused(tmp_path: Path) -> None:
     (tmp_path / "robot").mkdir()
     (tmp_path / "robot" / "results.jsonl").write_text('{"study": "another"}\n')
-    with pytest.raises(StudyError):
+    with pytest.raises(RunFolderError, match="another study"):
         reproduce_robot(tmp_path, 1, Bars())

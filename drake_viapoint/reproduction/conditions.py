@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
 import pandas as pd
-from joblib import cpu_count
 
 from drake_viapoint.errors import ViapointError
-from drake_viapoint.packages import resolve
 from drake_viapoint.reproduction import figure10
 from drake_viapoint.reproduction.disturbed_serve import (
     condition_results,
@@ -19,12 +16,10 @@ from drake_viapoint.reproduction.disturbed_serve import (
     summary,
 )
 from drake_viapoint.reproduction.progress import Progress
+from drake_viapoint.reproduction.shipped_study import sweep_first
 from drake_viapoint.reproduction.style import save
 from drake_viapoint.reproduction.table import write_table
-from drake_viapoint.runs.study_file import read_study
 from drake_viapoint.runs.study_table import read_table
-from drake_viapoint.runs.sweep import sweep
-from drake_viapoint.runs.workers import LocalWorkers
 
 STUDY = "package://drake_viapoint/studies/three_conditions.yaml"
 """The study that is shipped."""
@@ -51,11 +46,8 @@ def reproduce_conditions(out: Path, runs: int, progress: Progress) -> list[str]:
     Raises:
         ViapointError: The folder cannot be written or holds another study.
     """
-    study = read_study(resolve(STUDY))
-    fewer = replace(study, together={key: v[:runs] for key, v in study.together.items()})
     folder = out / "three_conditions"
-    with progress("disturbing the ball", len(fewer)) as bar:
-        sweep(fewer, folder, LocalWorkers(cpu_count()), on_rows=lambda rows: bar.update(len(rows)))
+    sweep_first(STUDY, runs, folder, "disturbing the ball", progress)
     return study_conditions(folder, out)
 
 

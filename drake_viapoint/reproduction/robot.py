@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from joblib import cpu_count
 
 from drake_viapoint.errors import ViapointError
-from drake_viapoint.packages import resolve
 from drake_viapoint.reproduction import figure6, figure7
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
 from drake_viapoint.reproduction.robot_runs import robot_run, summary
+from drake_viapoint.reproduction.shipped_study import sweep_first
 from drake_viapoint.reproduction.shown_trials import executed_trials, shown_trials
 from drake_viapoint.reproduction.style import save
 from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.run_folder import read_trials
-from drake_viapoint.runs.study_file import read_study
-from drake_viapoint.runs.sweep import sweep
 from drake_viapoint.runs.task_run import read_scenario
-from drake_viapoint.runs.workers import LocalWorkers
 from drake_viapoint.tasks.serve import ServeTask
 
 STUDY = "package://drake_viapoint/studies/robot.yaml"
@@ -45,13 +40,8 @@ def reproduce_robot(out: Path, runs: int, progress: Progress) -> list[str]:
     Raises:
         ViapointError: The folder cannot be written or holds another study.
     """
-    study = read_study(resolve(STUDY))
-    fewer = replace(study, vary={key: values[:runs] for key, values in study.vary.items()})
     folder = out / "robot"
-    with progress("learning on a robot", len(fewer)) as bar:
-        table = sweep(
-            fewer, folder, LocalWorkers(cpu_count()), on_rows=lambda rows: bar.update(len(rows))
-        )
+    table = sweep_first(STUDY, runs, folder, "learning on a robot", progress)
     if table["error"].notna().all():
         raise ViapointError(f"{folder}: no run came to its end: {table['error'].iloc[0]}")
     return study_robot(table, folder, out, progress)

@@ -12,7 +12,7 @@ from drake_viapoint.packages import resolve
 from drake_viapoint.tasks.catalogue import ROBOT_SERVE, task_scenario
 from drake_viapoint.tasks.serve_contact_scene import ContactScene
 from drake_viapoint.tasks.serve_scenario import ServeScenario
-from drake_viapoint.tasks.serve_unknown import TrialDraw
+from drake_viapoint.tasks.serve_unknown import AVERAGE as AVERAGE
 
 NOTHING_UNKNOWN = dict.fromkeys(
     (
@@ -24,7 +24,6 @@ NOTHING_UNKNOWN = dict.fromkeys(
     ),
     0.0,
 )
-AVERAGE = TrialDraw(np.zeros(3), 1.0)
 
 
 def robot_scenario(changes: dict[str, object] | None = None) -> ServeScenario:

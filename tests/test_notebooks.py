@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import nbformat
@@ -12,9 +14,22 @@ from nbformat import NotebookNode
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 
 
-def executed(path: Path, folder: Path, *more: str) -> NotebookNode:
-    """The notebook after all its cells, and some more, have run; an error in one raises."""
+def executed(
+    path: Path, folder: Path, *more: str, settings: Mapping[str, int] | None = None
+) -> NotebookNode:
+    """The notebook after all its cells, and some more, have run; an error in one raises.
+
+    Args:
+        path: The notebook.
+        folder: Where it runs.
+        more: Sources of further cells.
+        settings: Numbers its first code cell sets, replaced to make it shorter.
+    """
     notebook = nbformat.read(path, as_version=4)
+    first = next(cell for cell in notebook.cells if cell.cell_type == "code")
+    for name, value in (settings or {}).items():
+        first.source, found = re.subn(rf"(?m)^{name} = \d+", f"{name} = {value}", first.source)
+        assert found == 1, f"{name} is set in the first code cell"
     notebook.cells += [nbformat.v4.new_code_cell(source) for source in more]
     client = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(folder)}})
     client.execute()
@@ -133,3 +148,73 @@ def test_a_study_is_swept_and_grows(tmp_path: Path) -> None:
     for choice in ("S_H by norm", "S_G by norm", "S_G by ratio"):
         assert f"{choice}:" in text
     check_clean(notebook, tmp_path, pictures=4)
+
+
+def numbers(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"-?\d+\.?\d*", text)]
+
+
+def test_the_serve_is_learned_on_a_robot(tmp_path: Path) -> None:
+    """In so few trials that only the throw gets better."""
+    times, most = 4, 14  # trial 14 is the first after J_H has been explored
+    (path,) = (path for path in NOTEBOOKS if path.name == "04_robot.ipynb")
+    notebook = executed(path, tmp_path, settings={"TIMES": times, "MOST_TRIALS": most})
+    text = printed(notebook)
+    learning = re.findall(
+        r"trial +(\d+) . (.*?) +seen: d +(\S+), goal +(\S+)  happened: d +(\S+), goal +(\S+)\n",
+        text,
+    )
+    assert [int(line[0]) for line in learning] == list(range(1, most + 1))
+    assert [line[1] for line in learning].count("exploration throw") == 12
+    assert f"not learned in {most} trials\n" in text
+    before, after = (float(learning[trial][4]) for trial in (0, -1))
+    assert after < 0.7 * before, "what happened got better, though only what was seen was told"
+
+    _, results, again, worlds = map(table, shown(notebook, "text/markdown"))
+    for name, *cells in results:
+        seen, happened, off, expected = map(numbers, cells)
+        assert off == pytest.approx(
+            [1000 * (s - h) for s, h in zip(seen, happened, strict=True)], abs=1.01
+        )
+        bound = 15 if not expected else 5 * expected[0]  # d, landing error: of two places
+        assert all(abs(millimetres) < bound for millimetres in off), name
+        assert any(off), f"{name} is not seen as it happened"
+        assert not expected or 1 < expected[0] < 5, "less than a sample is off"
+    assert len(again) == times
+    for _, _, _, *cells in again:
+        d_seen, d, landing_seen, landing = map(numbers, cells)
+        assert d_seen != d
+        assert d_seen == pytest.approx(d, abs=2)
+        assert landing_seen == pytest.approx(landing, abs=0.012)
+    assert len({row[6] for row in again}) == times, "no two land in the same place"
+    scatter = {
+        line.split()[0]: numbers(line)
+        for line in text.split("\n")
+        if "; the cameras are off" in line
+    }
+    for really, as_seen, cameras_off in scatter.values():
+        assert 1 < cameras_off < 8
+        assert as_seen < really + 2 * cameras_off
+    assert scatter["T_H"][0] < scatter["T_H"][2], "that the throw varies is the cameras' doing"
+    assert scatter["T_G"][0] > 3 * scatter["T_G"][2], "that the landing varies is not"
+
+    rows = {name: cells for name, *cells in worlds}
+    by_rule, contact, robot = (
+        {name: numbers(cells[column]) for name, cells in rows.items()} for column in range(3)
+    )
+    for world in (by_rule, contact, robot):
+        assert len(world["$T_G$: comes down at [m]"]) == 2, "struck, and landed"
+        came, went = world["racket's speed before, after [m/s]"]
+        gives_way = world is not by_rule
+        assert (went < 0.7 * came) == gives_way
+        assert (world["leaving / closing speed"][0] < 0.6) == gives_way
+        assert 0.75 < world["leaving / closing speed, from the racket as it is then"][0] < 0.9
+    assert by_rule["leaving / closing speed"] == [0.8], "as the scenario says"
+    last = "ball last touches the cup at [ms]"
+    assert 10 < contact[last][0] - by_rule[last][0] < 50
+    there, here = (world["heads for [m]"] for world in (contact, by_rule))
+    assert abs(there[1] - here[1]) > 0.3, "contact lands somewhere else"
+    crossed = numbers(text.rsplit("it heads for", 1)[1])
+    assert crossed[2] < 10, "which is not the throw's doing"
+    assert f"{robot['$d$ [cm]'][0]:.1f}" == learning[-1][4], "the robot's is the last trial"
+    check_display(notebook, tmp_path, pictures=8)

@@ -275,6 +275,7 @@ def test_with_contact_much_may_be_unknown(tmp_path: Path, key: str) -> None:
         ("contact.cup_radius", 0.03, "the cup is smaller than the ball"),
         ("contact.ball_mesh", 0.02, "must be at most half the ball's radius, 0.0165"),
         ("contact.strings_stiffness", -2e4, "must be positive"),
+        ("contact.strings_stiffness", 800.0, "must be at least 852"),
     ],
 )
 def test_what_contact_does_not_go_with(tmp_path: Path, key: str, value: float, reason: str) -> None:

@@ -60,9 +60,13 @@ class ArmMotion:
         return velocities
 
     def strayed(self, desired: BSpline[np.float64]) -> float:
-        """Largest angle of a joint from a desired trajectory, at the steps [rad]."""
+        """Largest angle of a joint from a desired trajectory, at the steps [rad].
+
+        Where the motion goes on after the trajectory's end, the joints should stay there.
+        """
         times = np.concatenate([segment.times for segment in self.segments])
-        return float(np.max(np.abs(self.q(times) - desired(times))))
+        wanted = desired(np.minimum(times, desired.t[-1]))
+        return float(np.max(np.abs(self.q(times) - wanted)))
 
     def beyond(self, limits: JointLimits) -> NDArray[np.bool_]:
         """Which joints (k,) left their range of angles or speeds at a step."""

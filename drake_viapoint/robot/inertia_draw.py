@@ -18,9 +18,9 @@ def draw_inertias(
 ) -> Mapping[BodyIndex, SpatialInertia]:
     """What bodies may really weigh.
 
-    A body's mass, and its moments about its centre of mass on top, are scaled by factors drawn
-    evenly between 1 - spread and 1 + spread; its centre of mass stays. So what was a possible body
-    stays one.
+    A body's mass, and its moments a mass about its centre of mass, are each scaled by a factor
+    drawn evenly between 1 - spread and 1 + spread; its centre of mass stays. So what was a possible
+    body stays one.
 
     Args:
         plant: With the bodies as modelled.

@@ -41,7 +41,7 @@ def restitution(dissipation: float, speed: float) -> float:
     if 1 / (1 + 2 * u / 3) > _NEARLY_ELASTIC:
         return 1 / (1 + 2 * u / 3)
     work = u - np.log1p(u)
-    y = brentq(lambda y: float(y + np.expm1(-y)) - work, 0.0, work + 1.0, xtol=1e-14)
+    y = brentq(lambda y: float(y + np.expm1(-y)) - work, 0.0, work + 2.0, xtol=1e-14)
     return float(-np.expm1(-y) / u)
 
 

@@ -1,7 +1,8 @@
 """Flights found in samples of a ball: parabolas, before and after a bounce.
 
 Without drag a flight minus gravity's part is a straight line in time, so fits are linear. They are
-robust: a sample taken while the ball was on the strings, or after it touched the goal, bends none.
+robust: a sample taken while the ball was on the strings bends none. Where a struck ball touches the
+goal's ring its flight ends: what is found is where it headed.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ _LOOK = 0.2  # [s] of samples looked at to either side of a bounce; any throw fl
 _FEWEST = 4  # samples a flight must have
 _SEARCHED = 0.15  # [s] around its expected time in which a bounce is looked for
 _BENT = 3.0  # a bounce divides the variance left by a single parabola by more than this
+_HELD = 0.5  # of gravity: what is accelerated otherwise by more than this does not fly
+_FAR = 4.5  # times the noise, farther than which a coordinate is not where it is expected
 _FINEST = 1e-3  # [m] cameras are not trusted to be better than this
 
 
@@ -68,22 +71,39 @@ def find_flights(
     if bounce is None:  # nothing happens around the time: one flight, or none
         around = int(np.searchsorted(ball.times, expected))
         before = _between(ball, around - many, around + many // 2)
-        return SeenFlights(fit_flight(before, noise) if _falls(before) else None, None)
+        return SeenFlights(fit_flight(before, noise) if _falls(before, noise) else None, None)
     before = _between(ball, bounce - many, bounce)
-    thrown = fit_flight(before, noise) if _falls(before) else None
+    thrown = fit_flight(before, noise) if _falls(before, noise) else None
     after = _between(ball, bounce, ball.times.size)
     after = after.within(after.positions[:, 2] > ring_height)
-    flies = _falls(_between(after, 0, many))  # later it may touch the goal
-    return SeenFlights(thrown, fit_flight(after, noise) if flies else None)
+    if not _falls(_between(after, 0, many), noise):
+        return SeenFlights(thrown, None)
+    return SeenFlights(thrown, fit_flight(_undisturbed(after, many, noise), noise))
 
 
-def _falls(samples: Samples) -> bool:
-    """Whether what samples show falls like a ball that nothing holds."""
+def _undisturbed(samples: Samples, many: int, noise: float) -> Samples:
+    """The first samples of a flight, up to where it is disturbed, as by the goal's ring.
+
+    As long as the next one is where those before it say, it belongs to them.
+    """
+    count = min(many, samples.times.size)
+    while count < samples.times.size:
+        expected = fit_flight(_between(samples, 0, count), noise).position(samples.times[count])
+        if np.max(np.abs(samples.positions[count] - expected)) > _FAR * max(noise, _FINEST):
+            return _between(samples, 0, count - 1)  # the last one may be disturbed already
+        count += 1
+    return samples
+
+
+def _falls(samples: Samples, noise: float) -> bool:
+    """Whether what samples show falls like a ball that nothing holds, as far as they can tell."""
     if samples.times.size < _FEWEST:
         return False
     t = samples.times - samples.times[0]
-    acceleration = 2 * float(np.polyfit(t, samples.positions[:, 2], 2)[0])
-    return -1.5 * GRAVITY < acceleration < -0.5 * GRAVITY
+    basis = np.stack([np.ones_like(t), t, t**2 / 2], axis=1)
+    acceleration = float(np.linalg.lstsq(basis, samples.positions[:, 2], rcond=None)[0][2])
+    uncertain = noise * float(np.sqrt(np.linalg.inv(basis.T @ basis)[2, 2]))
+    return abs(acceleration + GRAVITY) < max(_HELD * GRAVITY, 3.0 * uncertain)
 
 
 def _bounce(ball: Samples, expected: float, many: int) -> int | None:
@@ -93,13 +113,16 @@ def _bounce(ball: Samples, expected: float, many: int) -> int | None:
     splits: list[int] = [i for i in near if _FEWEST <= i <= count - _FEWEST]
     if not splits:
         return None
-    left = [_squares(ball, i - many, i) + _squares(ball, i, i + many) for i in splits]
-    best = splits[int(np.argmin(left))]
-    # of coordinates, less those that fix one line, or two
-    freedom = 3 * _between(ball, best - many, best + many).times.size
-    alone = _squares(ball, best - many, best + many) / (freedom - 6)
-    split = max(min(left), count * _FINEST**2 / 100) / (freedom - 12)
-    return best if alone / split > _BENT else None
+    alone = [_squares(ball, i - many, i + many) for i in splits]
+    apart = [_squares(ball, i - many, i) + _squares(ball, i, i + many) for i in splits]
+    # not the split that leaves least: far from a bounce there is one flight, and nothing is left
+    most = int(np.argmax(np.subtract(alone, apart)))
+    best = splits[most]
+    seen = _between(ball, best - many, best + many).times.size
+    freedom = 3 * seen  # of coordinates, less those that fix one line, or two
+    before = alone[most] / (freedom - 6)
+    after = max(apart[most], seen * _FINEST**2 / 100) / (freedom - 12)
+    return best if before / after > _BENT else None
 
 
 def _between(ball: Samples, start: int, end: int) -> Samples:

@@ -23,6 +23,7 @@ from drake_viapoint.tasks.serve_contact_steps import BallStates, ContactIntegrat
 from drake_viapoint.tasks.serve_results import judged
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial, ball_event
+from drake_viapoint.tasks.serve_unknown import AVERAGE
 
 
 class ContactExecution:
@@ -79,13 +80,13 @@ class ContactExecution:
         )
 
     def check_start(self, movement: JointMovement) -> None:
-        """Make sure that a movement can begin, on an average day.
+        """Make sure that a movement can begin, in an average trial.
 
         Raises:
             BallFallsOutError: The ball does not rest in the cup.
             BrokenOffError: The simulation fails.
         """
-        self._integration.settle(movement, self._unknown.draw(0))
+        self._integration.settle(movement, AVERAGE)
 
 
 @dataclass(frozen=True)

@@ -47,11 +47,12 @@ class ServeContact:
     step: float = 1e-3
     """While the ball may touch something; simulator.max_step_size holds while it flies."""
 
-    def validate(self, contact: bool, ball_radius: float) -> None:
+    def validate(self, contact: bool, ball_mass: float, ball_radius: float) -> None:
         """Check every value against its bounds.
 
         Args:
             contact: Whether trials are executed with contact; else no ball needs to fit.
+            ball_mass: Of the ball [kg].
             ball_radius: Of the ball [m].
 
         Raises:
@@ -67,6 +68,13 @@ class ServeContact:
         require(bounce <= 1, "contact.ring_restitution", bounce, "must be in (0, 1]")
         require(1e-6 <= self.step <= 0.01, "contact.step", self.step, "must be in [1e-6, 0.01]")
         if contact:
+            softest = ball_mass * (self.speed / ball_radius) ** 2
+            require(
+                self.strings_stiffness >= softest,
+                "contact.strings_stiffness",
+                self.strings_stiffness,
+                f"must be at least {softest:.0f}, or the ball gives way by more than its radius",
+            )
             coarsest = f"must be at most half the ball's radius, {ball_radius / 2:g}"
             require(
                 self.ball_mesh <= ball_radius / 2, "contact.ball_mesh", self.ball_mesh, coarsest
@@ -86,8 +94,8 @@ class ServeUnknown:
     """
 
     inertia: float = 0.0
-    """Mass and moments of each link are scaled by factors within 1 - this and 1 + this, drawn from
-    the run's seed: one robot a run."""
+    """Each link's mass is scaled by a factor within 1 - this and 1 + this, its moments a mass by
+    another, drawn from the run's seed: one robot a run."""
     viscous_friction: float = 0.0
     """Of each joint, in efforts a rad/s [s/rad]."""
     coulomb_friction: float = 0.0

@@ -213,7 +213,7 @@ class ServeScenario:
         require_positive("demonstration.cutoff", watched.cutoff)
         require_positive("demonstration.angle_weight", watched.angle_weight)
         self._validate_learning()
-        self.contact.validate(contact, self.ball.radius)
+        self.contact.validate(contact, self.ball.mass, self.ball.radius)
         self.unknown.validate(contact)
         self.cameras.validate()
         validate_simulation(self.plant, self.simulator, contact=contact)

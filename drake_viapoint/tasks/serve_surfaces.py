@@ -17,7 +17,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 _SEAT_ANGLE = np.radians(50.0)  # between the cup's axis and where the ball lies on its seat
 _SEAT_TUBE = 0.003  # [m] radius of the capsules that make the cup
-_WALL_HEIGHT = -0.02  # [m] below the resting ball's centre: deeper cups hold on to a leaving ball
+_WALL_DEPTH = 0.6  # of the ball's radius below its centre: deeper cups hold on to a leaving ball
 _SEAT_SIDES, _WALL_SIDES, _RING_SIDES, _OVAL_SIDES = 8, 16, 24, 48
 
 
@@ -131,8 +131,9 @@ def cup_rings(cup_radius: float, ball: float) -> tuple[CapsuleRing, CapsuleRing]
     seat = CapsuleRing(
         away * np.sin(_SEAT_ANGLE), -away * np.cos(_SEAT_ANGLE), _SEAT_TUBE, _SEAT_SIDES
     )
-    wall = np.sqrt((cup_radius + _SEAT_TUBE) ** 2 - _WALL_HEIGHT**2)
-    return seat, CapsuleRing(wall, _WALL_HEIGHT, _SEAT_TUBE, _WALL_SIDES)
+    depth = _WALL_DEPTH * ball
+    wall = math.sqrt((cup_radius + _SEAT_TUBE) ** 2 - depth**2)
+    return seat, CapsuleRing(wall, -depth, _SEAT_TUBE, _WALL_SIDES)
 
 
 def goal_ring(inner_radius: float, tube: float) -> CapsuleRing:

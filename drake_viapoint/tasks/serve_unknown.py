@@ -21,6 +21,10 @@ class TrialDraw(NamedTuple):
     restitution: float  # factor on the ball's restitution
 
 
+AVERAGE = TrialDraw(np.zeros(3), 1.0)
+"""A trial in which nothing differs."""
+
+
 class Unknown:
     """The robot of one run, and what its trials are like.
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
@@ -55,12 +55,13 @@ class ContactExecution:
         steps = self._integration(movement, drawn)
         motion = ArmMotion([steps.arm])
         racket = LooseRacket(scene.arm, motion, scene.loosened(drawn))
-        contact = _Contact(scene, racket, steps.ball, self._radius)
+        path = FollowedPath(CubicHermiteSpline(*steps.ball))
+        contact = _Contact(scene, racket, steps.ball, path, self._radius)
         events, flights, from_behind = contact.history()
         names = [event.name for event in events]
         hit_time = self._hit_time
         thrown = bool(flights) and events[0].time <= hit_time
-        meeting = flights[0].position(hit_time) if thrown else contact.path([hit_time])[0]
+        meeting = flights[0].position(hit_time) if thrown else path([hit_time])[0]
         state = racket([hit_time])
         wanted = state.position[0] + self._radius * state.normal[0]
         landing = events[-1].ball_position[:2] if "landing" in names else None
@@ -75,7 +76,7 @@ class ContactExecution:
             disturbed=drawn,
             motion=motion,
             racket=racket,
-            path=contact.path,
+            path=path,
             flights=flights,
         )
 
@@ -90,18 +91,25 @@ class ContactExecution:
 
 
 @dataclass(frozen=True)
+class FollowedPath:
+    """Where the ball is, as far as it was followed: exact in flight, which a cubic can be."""
+
+    spline: CubicHermiteSpline
+
+    def __call__(self, times: ArrayLike) -> NDArray[np.float64]:
+        """Centre of the ball (n, 3) [m] at times (n,) [s]."""
+        return np.asarray(self.spline(np.minimum(times, self.spline.x[-1])))
+
+
+@dataclass(frozen=True)
 class _Contact:
     """What a ball touched on its way."""
 
     scene: ContactScene
     racket: RacketMotion
     ball: BallStates
+    path: FollowedPath
     radius: float
-
-    def path(self, times: NDArray[np.float64] | list[float]) -> NDArray[np.float64]:
-        """Centre of the ball (n, 3) [m] at times (n,) [s], as far as it was followed."""
-        spline = CubicHermiteSpline(self.ball.times, self.ball.position, self.ball.velocity)
-        return np.asarray(spline(np.minimum(times, self.ball.times[-1])))
 
     def history(self) -> tuple[tuple[BallEvent, ...], tuple[Flight, ...], bool]:
         """Events, flights, and whether the strings met the ball with their back."""
@@ -123,7 +131,7 @@ class _Contact:
         from_behind = bool(state.normal[0] @ (self.path([hit]) - state.position)[0] < 0)
         falls = self._falls(first_struck)
         until = falls if falls is not None else looks.size
-        gone = int(struck[struck < until][-1]) + 1  # the first look at which it has left them
+        gone = int(struck[struck <= until][-1]) + 1  # the first look at which it has left them
         name = "caught_behind" if from_behind else "hit"
         if gone < looks.size:
             flights.append(self._flight(gone))
@@ -162,17 +170,19 @@ class _Contact:
         return np.einsum("nij,ni->nj", state.rotation, offset)
 
     def _root(self, gap: Callable[[NDArray[np.float64]], NDArray[np.float64]], look: int) -> float:
-        """When a distance changes its sign after a look [s]."""
+        """When a distance changes its sign after a look [s]; at the look itself if it does not."""
         start, end = self.ball.times[look], self.ball.times[look + 1]
+        before, after = gap(np.array([start, end]))
+        if before * after > 0:  # as where the strings take the ball out of the cup
+            return float(start)
         return float(brentq(lambda t: float(gap(np.array([t]))[0]), start, end, xtol=1e-12))
 
     def _event(
         self, name: str, time: float, velocity: NDArray[np.float64] | None = None
     ) -> BallEvent:
-        spline = CubicHermiteSpline(self.ball.times, self.ball.position, self.ball.velocity)
-        if velocity is None:
-            velocity = spline(time, 1)
-        return ball_event(name, time, spline(time), velocity, self.racket)
+        spline = self.path.spline
+        moving = spline(time, 1) if velocity is None else velocity
+        return ball_event(name, time, spline(time), moving, self.racket)
 
 
 def _ending(thrown: bool, events: list[str], from_behind: bool) -> ServeOutcome:

@@ -23,13 +23,13 @@ def executed(
         path: The notebook.
         folder: Where it runs.
         more: Sources of further cells.
-        settings: Numbers its first code cell sets, replaced to make it shorter.
+        settings: Numbers that it sets once, replaced to make it shorter.
     """
     notebook = nbformat.read(path, as_version=4)
-    first = next(cell for cell in notebook.cells if cell.cell_type == "code")
     for name, value in (settings or {}).items():
-        first.source, found = re.subn(rf"(?m)^{name} = \d+", f"{name} = {value}", first.source)
-        assert found == 1, f"{name} is set in the first code cell"
+        set_in = [c for c in notebook.cells if re.search(rf"(?m)^{name} = \d+", c.source)]
+        assert len(set_in) == 1, f"{name} is set in one cell"
+        set_in[0].source = re.sub(rf"(?m)^{name} = \d+", f"{name} = {value}", set_in[0].source)
     notebook.cells += [nbformat.v4.new_code_cell(source) for source in more]
     client = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(folder)}})
     client.execute()
@@ -100,6 +100,7 @@ def test_the_upswing_is_learned(tmp_path: Path) -> None:
         # told of the same trials, the loop by hand and `learn` make the same proposals
         "print('as by hand', [record['T'] for record in practise(task, 30)][-1] == T.tolist())",
         "print('the arm ends', trial.ending)",
+        settings={"NUMBER_OF_PERSONS": 20},
     )
     text = printed(notebook)
     learned, trials = text.rsplit("learned at ", 1)[1].split("\n")[0].split(" of ")

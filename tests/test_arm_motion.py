@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from pydrake.systems.analysis import SimulatorConfig
 
+from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.robot.arm import Arm
 from drake_viapoint.robot.arm_motion import ArmMotion, MotionSegment
 from drake_viapoint.tasks.serve import ServeTask
@@ -132,3 +133,19 @@ def test_a_serve_between_its_steps_is_that_of_a_much_tighter_integration(
     assert np.max(np.abs(motion.v(times) - reference.v(times))) < 5e-4
     at_steps = max(np.max(np.abs(s.q - reference.q(s.times))) for s in motion.segments)
     assert np.max(np.abs(motion.q(times) - reference.q(times))) < 2 * at_steps
+
+
+def test_after_its_trajectory_an_arm_should_stay_at_its_end() -> None:
+    trajectory = minimum_jerk(np.array([0.0, 0.5, 1.0]), np.array([[0.0], [0.4], [1.0]]))
+
+    def motion(times: np.ndarray) -> ArmMotion:
+        inside = np.minimum(times, 1.0)
+        q, v, a = (trajectory(inside, order) for order in range(3))
+        return ArmMotion([MotionSegment(times, q, v, a)])
+
+    assert motion(np.linspace(0.0, 1.0, 11)).strayed(trajectory) < 1e-12
+    on = motion(np.linspace(0.0, 2.0, 21))
+    assert on.strayed(trajectory) < 1e-12
+    q = np.minimum(np.linspace(0.0, 2.0, 21), 1.5)[:, None]
+    drifting = ArmMotion([MotionSegment(np.linspace(0.0, 2.0, 21), q, 0 * q, 0 * q)])
+    assert drifting.strayed(trajectory) >= 0.5

@@ -126,3 +126,50 @@ def test_an_integration_is_the_same_whatever_came_before() -> None:
         for other in (again, fresh):
             assert other[0] == first[0]
             assert np.array(other[1]).tobytes() == np.array(first[1]).tobytes()
+
+
+def marched(stepping: Stepping, steps: list[float]) -> np.ndarray:
+    """The state at the end, after marches that end at these times."""
+    stepping.reset(0.0)
+    stepping.context.SetContinuousState(START)
+    stepping.set_clock(0.0)
+    for end in steps:
+        stepping.march(end, 0.01)
+        assert stepping.context.get_time() == end
+    state: np.ndarray = stepping.context.get_continuous_state_vector().CopyToVector()
+    return state
+
+
+def test_marching_goes_to_the_very_times_asked_for(exact: np.ndarray) -> None:
+    ends = [0.0123, 0.5, 1.2345, END]
+    np.testing.assert_allclose(
+        marched(Stepping(swing(), config(0.5, 1e-8)), ends), exact, atol=1e-5
+    )
+
+
+def test_another_clock_leaves_the_state_alone() -> None:
+    stepping = Stepping(swing(), config(0.01, 1e-6))
+    state = marched(stepping, [0.5])
+    stepping.set_clock(7.0)
+    assert stepping.context.get_time() == 7.0
+    np.testing.assert_array_equal(
+        stepping.context.get_continuous_state_vector().CopyToVector(), state
+    )
+    stepping.march(7.5, 0.01)
+    went_on = stepping.context.get_continuous_state_vector().CopyToVector()
+    np.testing.assert_array_equal(
+        went_on.round(9), marched(stepping, [0.5, 1.0]).round(9), "it does not depend on the clock"
+    )
+
+
+def test_an_integrator_that_does_not_get_on_says_so() -> None:
+    x = Variable("x")
+    builder = DiagramBuilder()
+    builder.AddSystem(SymbolicVectorSystem(state=[x], dynamics=[x * x]))  # infinite at t = 1
+    stepping = Stepping(builder.Build(), config(0.1, 1e-6))
+    stepping.reset(0.0)
+    stepping.context.SetContinuousState([1.0])
+    stepping.set_clock(0.0)
+    with pytest.raises(RuntimeError, match="step"):
+        stepping.march(1.5, 0.1)
+    assert stepping.context.get_time() == pytest.approx(1.0, abs=1e-3)

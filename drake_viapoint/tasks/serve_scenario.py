@@ -159,7 +159,9 @@ class ServeScenario:
     learning: ServeLearning = field(default_factory=ServeLearning)
     execution: str = "event"
     """event: the ball is released, struck and landed by events, as in the paper's simulation.
-    contact: Drake's contact carries, throws and strikes it, as it does on a robot."""
+    contact: Drake's contact carries, throws and strikes it, as it does on a robot. Begin with the
+    scenario serve_robot.yaml then: with the plant and the simulator as they are here, for events, a
+    trial takes ten times as long."""
     contact: ServeContact = field(default_factory=ServeContact)
     unknown: ServeUnknown = field(default_factory=ServeUnknown)
     cameras: ServeCameras = field(default_factory=ServeCameras)

@@ -100,7 +100,6 @@ def test_the_upswing_is_learned(tmp_path: Path) -> None:
         # told of the same trials, the loop by hand and `learn` make the same proposals
         "print('as by hand', [record['T'] for record in practise(task, 30)][-1] == T.tolist())",
         "print('the arm ends', trial.ending)",
-        settings={"NUMBER_OF_PERSONS": 20},
     )
     text = printed(notebook)
     learned, trials = text.rsplit("learned at ", 1)[1].split("\n")[0].split(" of ")

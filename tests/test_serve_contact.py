@@ -12,7 +12,6 @@ import pytest
 from contact_scenes import NOTHING_UNKNOWN, robot_scenario
 
 from drake_viapoint.errors import BallFallsOutError
-from drake_viapoint.tasks.flight import GRAVITY
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import BallEvent, ServeOutcome, ServeTrial
 from drake_viapoint.tasks.trial import RefusedTrial
@@ -173,9 +172,19 @@ def test_a_ball_that_passes_by_is_missed(task: ServeTask) -> None:
     assert trial.happened.d is not None
     assert trial.happened.d > 0.1
     assert trial.happened.landing is None
-    t = trial.motion.end - trial.flights[0].start
-    fallen = trial.flights[0].velocity(trial.flights[0].start)[2] - GRAVITY * t
-    assert fallen < 0
+    assert [event.name for event in trial.events] == ["release"]
+    assert len(trial.flights) == 1
+
+
+def test_a_movement_that_begins_with_the_cup_on_its_side_spills_the_ball(task: ServeTask) -> None:
+    trial = task.execute(task.via_points.moved(["psi1"], [-0.9]), seed=0)
+    assert isinstance(trial, RefusedTrial)
+    record = trial.record()
+    assert (record["outcome"], record["success"], record["T_H"]) == ("spilt", False, None)
+    assert record["reason"].startswith("the ball does not rest in the cup")
+    outcome = task.outcome(record)
+    assert outcome.error("T_H") is None
+    assert not outcome.broken_off, "trying the same again would spill it again"
 
 
 def test_a_failing_simulation_is_a_failed_trial_and_nothing_lingers() -> None:

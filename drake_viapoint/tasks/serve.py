@@ -25,7 +25,13 @@ from drake_viapoint.tasks.serve_event import EventExecution
 from drake_viapoint.tasks.serve_scenario import ServeLearning, ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene
 from drake_viapoint.tasks.serve_sight import ServeSight
-from drake_viapoint.tasks.serve_trial import STRIKE, THROW, ServeTrial, serve_outcome
+from drake_viapoint.tasks.serve_trial import (
+    STRIKE,
+    THROW,
+    ServeOutcome,
+    ServeTrial,
+    serve_outcome,
+)
 from drake_viapoint.tasks.trial import FAILED, RefusedTrial
 
 _RESULTS = ("d", THROW, STRIKE)  # what a trial of which nothing came does not reach
@@ -116,7 +122,7 @@ class ServeTask:
         try:
             trial = self.execution.execute(movement, seed)
         except BallFallsOutError as error:
-            return RefusedTrial(str(error), _RESULTS)
+            return RefusedTrial(str(error), _RESULTS, ServeOutcome.SPILT)
         except BrokenOffError as error:
             return RefusedTrial(str(error), _RESULTS, FAILED)
         return trial if self._sight is None else self._sight(trial, movement, seed)

@@ -1,6 +1,7 @@
 """What makes a simulated serve like the real robot's: contact, ignorance and cameras.
 
-Lengths in metres, masses in kilograms, angles in radians, times in seconds.
+Lengths in metres, masses in kilograms, angles in radians, times in seconds. Where no source is
+named, a number is assumed.
 """
 
 from dataclasses import dataclass, fields
@@ -22,11 +23,12 @@ class ServeContact:
 
     strings_stiffness: float = 2e4
     """Of ball on strings [N/m]: a ball that meets them at ``speed`` is pressed as deep as by a
-    linear spring, and stays for 5 ms."""
+    linear spring, and stays for 5 ms, as balls on strings do."""
     speed: float = 4.0
     """Closing speed [m/s] at which stiffness and ball.restitution hold; slower balls spring back
     better."""
     strings_friction: float = 0.35
+    """Of felt on strings: measured, 0.3 to 0.4."""
     ball_mesh: float = 0.005
     """Edge length of the ball's hydroelastic mesh; rolled, such a ball presses by 0.2 % harder or
     softer."""
@@ -37,9 +39,11 @@ class ServeContact:
     cup_dissipation: float = 10.0
     """Of the cup's lining [s/m]; the ball comes to rest in it within 0.1 s."""
     cup_friction: float = 0.3
+    """Of felt on the cup's lining."""
     ring_radius: float = 0.125
     """Of the goal's ring, inside."""
     ring_tube: float = 0.009
+    """Radius of its tube, as its mesh has it."""
     ring_stiffness: float = 2e4
     ring_restitution: float = 0.6
     """Of the ball on the ring, at ``speed``."""
@@ -136,7 +140,8 @@ class ServeCameras:
     rate: float = 60.0
     """Samples a second."""
     noise: float = 0.005
-    """Standard deviation of each coordinate of a sample, so 9 mm in space (the paper: 5 to 10)."""
+    """Standard deviation of each coordinate of a sample, so 9 mm in space (section 2.1.1: 5 to 10,
+    at 60 Hz)."""
 
     def validate(self) -> None:
         """Check every value against its bounds.

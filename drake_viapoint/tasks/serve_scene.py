@@ -28,6 +28,20 @@ class ServeScene:
         scenario: Models, ball and control.
         meshcat: Where to show the scene, if anywhere.
 
+    Attributes:
+        arm: The controller's model of the arm.
+        plant: What moves.
+        instance: The arm in the plant.
+        ball: The ball's body.
+        racket_frame: Of the racket: the centre of its face.
+        cup_frame: Of the resting ball.
+        cup_pose: Pose of the cup's frame in the racket's.
+        cup: The same as event execution needs it.
+        ring_frame: Of the goal's ring.
+        ring: (3,) its centre [m].
+        tracking: What makes the arm follow a movement.
+        diagram: All of it.
+
     Raises:
         ModelFileError: A model cannot be read, or lacks the arm, a frame or the ball.
     """

@@ -27,6 +27,7 @@ from drake_viapoint.tasks.trial import FAILED, recorded_vector
 class ServeOutcome(StrEnum):
     """How a serve can end."""
 
+    SPILT = "spilt"  # it did not rest in the cup, and nothing was executed
     NOT_RELEASED = "not_released"
     MISSED = "missed"
     CAUGHT_BEHIND = "caught_behind"

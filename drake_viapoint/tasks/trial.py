@@ -39,7 +39,7 @@ class RefusedTrial:
     Attributes:
         reason: Why, as one line.
         missing: Names of the results it did not reach.
-        outcome: ``UNREACHABLE``, or ``FAILED`` if trying again may help.
+        outcome: ``UNREACHABLE``, ``FAILED`` if trying again may help, or a word of the task's own.
     """
 
     reason: str
@@ -49,7 +49,7 @@ class RefusedTrial:
     def record(self) -> dict[str, Any]:
         """See ``Trial``."""
         nothing = dict.fromkeys(self.missing)
-        return {"outcome": self.outcome, "success": False, "reason": self.reason, **nothing}
+        return {"outcome": str(self.outcome), "success": False, "reason": self.reason, **nothing}
 
     def summary(self) -> str:
         """See ``Trial``."""

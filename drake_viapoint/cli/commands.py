@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
 from drake_viapoint import __version__
-from drake_viapoint.cli.ending import importing, interruptible, run
+from drake_viapoint.cli.completion import completion
+from drake_viapoint.cli.doctor import doctor
+from drake_viapoint.cli.ending import importing, run
 from drake_viapoint.cli.learn import learn, robot_serve
+from drake_viapoint.cli.next_steps import next_steps
+from drake_viapoint.cli.output import Output, speaking
+from drake_viapoint.cli.reproduce import reproduce
 from drake_viapoint.cli.studies import choices, components, conditions
 from drake_viapoint.cli.sweep import sweep
 
@@ -22,13 +26,36 @@ def main() -> None:
     run(cli)
 
 
-@click.group(epilog="Start with: drake-viapoint learn serve --out runs/first")
+@click.group(
+    invoke_without_command=True,
+    epilog="Without a command it says what can be done next, from what is there.",
+)
 @click.version_option(__version__)
-def cli() -> None:
-    """Teach a robot a dynamic skill from one demonstration and a few tens of trials."""
+@click.pass_context
+def cli(ctx: click.Context) -> None:
+    """Teach a robot a dynamic skill from one demonstration and a few tens of trials.
+
+    \b
+    Examples:
+      drake-viapoint learn serve --out runs/first
+      drake-viapoint reproduce --out results
+      drake-viapoint doctor
+    """
+    if ctx.invoked_subcommand is None:
+        for line in next_steps(Path.cwd()):
+            click.echo(line)
 
 
-for _command in (learn, components, choices, sweep, conditions):
+for _command in (
+    learn,
+    reproduce,
+    components,
+    choices,
+    sweep,
+    conditions,
+    doctor,
+    completion,
+):
     cli.add_command(_command)
 
 
@@ -36,7 +63,8 @@ for _command in (learn, components, choices, sweep, conditions):
 @click.argument("run", type=_EXISTING)
 @click.option("--trial", type=click.IntRange(1), help="Trial to show; the last one by default.")
 @click.option("--html", required=True, type=_EXISTING, help="File of the recording.")
-def replay(run: Path, trial: int | None, html: Path) -> None:
+@speaking
+def replay(run: Path, trial: int | None, html: Path, output: Output) -> None:
     """Write a Meshcat recording of a run's trial, to be opened in a browser.
 
     \b
@@ -44,11 +72,13 @@ def replay(run: Path, trial: int | None, html: Path) -> None:
       drake-viapoint replay runs/first --trial 1 --html first.html
       drake-viapoint replay runs/first --html last.html
     """
+    output.say(f"executing a trial of {run} once more")
     with importing():
         from drake_viapoint.reproduction.recording import record_trial
 
     number = record_trial(run, trial, html)
-    click.echo(f"trial {number} of {run} is in {html}")
+    data = {"run": run, "trial": number, "html": html}
+    output.result(data, [f"trial {number} of {run} is in {html}"])
 
 
 @cli.command()
@@ -63,6 +93,7 @@ def replay(run: Path, trial: int | None, html: Path) -> None:
 @click.option("--end", type=float, help="End here [s].")
 @click.option("--t-hit", type=float, help="Time of the hit [s]; looked for by default.")
 @click.option("--plot", type=_EXISTING, help="Picture; FILE-via-points.png here by default.")
+@speaking
 def extract(
     file: Path,
     marker: str | None,
@@ -73,6 +104,7 @@ def extract(
     end: float | None,
     t_hit: float | None,
     plot: Path | None,
+    output: Output,
 ) -> None:
     """Print and plot the via-points of a marker file (C3D, TRC or CSV).
 
@@ -82,13 +114,14 @@ def extract(
       drake-viapoint extract reach.trc --marker fingertip --threshold 0.005
       drake-viapoint extract serve.c3d --body RWRA RWRB RFIN --start 1.2 --end 2.4 --number 8
     """
+    if marker is not None and body is not None:
+        raise click.UsageError("give either --marker or --body")
+    output.say(f"reading {file}")
     with importing():
         from drake_viapoint.reproduction.marker_file import extract_from_file
 
-    if marker is not None and body is not None:
-        raise click.UsageError("give either --marker or --body")
     picture = plot or Path(f"{file.stem}-via-points.png")
-    lines = extract_from_file(
+    found = extract_from_file(
         file,
         picture,
         marker=marker,
@@ -99,16 +132,25 @@ def extract(
         end=end,
         hit_time=t_hit,
     )
-    for line in lines:
-        click.echo(line)
-    click.echo(f"picture in {picture}")
+    points = found.extraction.via_points
+    data = {
+        "file": file,
+        "t_HIT": found.hit_time,
+        "names": points.names,
+        "times": points.times,
+        "values": points.values,
+        "worst_error": float(found.extraction.worst_errors[-1]),
+        "picture": picture,
+    }
+    output.result(data, [*found.lines, f"picture in {picture}"])
 
 
 @cli.command()
 @_TASK
 @click.option("--person", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--out", required=True, type=_EXISTING, help="C3D file to write.")
-def demonstrate(task: str, person: int, out: Path) -> None:
+@speaking
+def demonstrate(task: str, person: int, out: Path, output: Output) -> None:
     """Write the synthetic demonstration of a virtual person as a C3D file.
 
     \b
@@ -116,12 +158,14 @@ def demonstrate(task: str, person: int, out: Path) -> None:
       drake-viapoint demonstrate serve --person 3 --out person3.c3d
       drake-viapoint demonstrate upswing --person 3 --out person3.c3d
     """
+    output.say(f"virtual person {person} shows the {task}")
     with importing():
         from drake_viapoint.demonstration.c3d import write_c3d
         from drake_viapoint.tasks import catalogue
 
     write_c3d(out, catalogue.TASKS[task].recorded_person(person))
-    click.echo(f"synthetic {task} of virtual person {person} in {out}")
+    data = {"task": task, "person": person, "file": out}
+    output.result(data, [f"synthetic {task} of virtual person {person} in {out}"])
 
 
 @cli.command()
@@ -144,73 +188,6 @@ def scenario(task: str, robot: bool) -> None:
 
     file = robot_serve() if robot else None
     click.echo(dump_scenario(task_scenario(task, file)), nl=False)
-
-
-@cli.command()
-@click.option("--out", required=True, type=_EXISTING, help="Folder of figures and runs.")
-@click.option("--only", type=click.Choice(["serve", "robot", "upswing"]), help="Not everything.")
-@click.option(
-    "--persons",
-    type=click.IntRange(0),
-    default=20,
-    show_default=True,
-    help="Virtual persons from whom the serve is learned.",
-)
-@click.option(
-    "--upswing-persons",
-    type=click.IntRange(0),
-    default=200,
-    show_default=True,
-    help="Virtual persons from whom the upswing is learned.",
-)
-@click.option(
-    "--disturbed-runs",
-    type=click.IntRange(0, 100),
-    default=100,
-    show_default=True,
-    help="Runs of the serve under each condition of section 3.2.",
-)
-@click.option(
-    "--robot-runs",
-    type=click.IntRange(0, 20),
-    default=20,
-    show_default=True,
-    help="Runs of the robot experiment of section 2.1.",
-)
-def reproduce(
-    out: Path,
-    only: str | None,
-    persons: int,
-    upswing_persons: int,
-    disturbed_runs: int,
-    robot_runs: int,
-) -> None:
-    """Run the serve, the robot and the upswing, draw our figures, learn from many persons.
-
-    \b
-    Examples:
-      drake-viapoint reproduce --out results
-      drake-viapoint reproduce --out results --only upswing --upswing-persons 20
-      drake-viapoint reproduce --out results --only robot --robot-runs 4
-    """
-    with importing():
-        from drake_viapoint.reproduction.reproduce import reproduce as reproduce_all
-
-    def progress(label: str, total: int) -> Any:
-        return click.progressbar(length=total, label=f"{label:<32}", show_eta=True)
-
-    with interruptible(lambda: "interrupted; the same command goes on from here"):
-        lines = reproduce_all(
-            out,
-            persons,
-            upswing_persons,
-            progress,
-            only,
-            disturbed_runs=disturbed_runs,
-            robot_runs=robot_runs,
-        )
-    for line in lines:
-        click.echo(line)
 
 
 if __name__ == "__main__":

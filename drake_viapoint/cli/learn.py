@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from drake_viapoint.cli.ending import LEARNED, NOT_LEARNED, importing, interruptible
+from drake_viapoint.cli.output import Output, speaking
 from drake_viapoint.errors import LearningError, OutcomeNotFiniteError
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ def learn() -> None:
     is_flag=True,
     help="As on a robot: real contact, camera samples, a controller that does not know the truth.",
 )
+@speaking
 @click.pass_context
 def learn_serve(ctx: click.Context, /, t_hit: float | None, robot: bool, **options: Any) -> None:
     """Learn the tennis serve.
@@ -107,6 +109,7 @@ def learn_serve(ctx: click.Context, /, t_hit: float | None, robot: bool, **optio
     metavar="ANGLE SPEED",
     help="Of the demonstrated pendulum [rad, rad/s]; measured by default.",
 )
+@speaking
 @click.pass_context
 def learn_upswing(
     ctx: click.Context,
@@ -150,8 +153,10 @@ def _learn(
     seed: int | None,
     max_trials: int,
     resume: bool,
+    output: Output,
 ) -> int:
     """Learn with the changes that are not None; returns the exit code."""
+    output.say(f"learning the {task_name}; trials go to {out}")
     with importing():
         from drake_viapoint.runs import task_run
         from drake_viapoint.tasks.catalogue import build_task, task_scenario
@@ -171,11 +176,11 @@ def _learn(
     with interruptible(lambda: f"interrupted before a run was begun in {out}"):
         if resume and task_run.has_run(out):
             folder, run_scenario = task_run.resume(out, task_name, scenario, changes)
-            click.echo(f"going on after trial {len(folder.trials)} of {out}")
+            output.say(f"going on after trial {len(folder.trials)} of {out}")
             task = build_task(run_scenario)
         else:
             if resume:
-                click.echo(f"no run in {out} yet: this begins one")
+                output.say(f"no run in {out} yet: this begins one")
             run_scenario = task_scenario(task_name, scenario, changes)
             task = build_task(run_scenario)  # bad input is said before a folder is made
             folder = task_run.begin(out, run_scenario)
@@ -184,11 +189,17 @@ def _learn(
         folder,
         interruptible(lambda: f"interrupted after trial {len(folder.trials)}; go on with: {go_on}"),
     ):
-        return _trials(out, folder, task, run_scenario.seed, max_trials, go_on)
+        return _trials(out, folder, task, run_scenario.seed, max_trials, go_on, output)
 
 
 def _trials(
-    out: Path, folder: RunFolder, task: Task, seed: int, max_trials: int, go_on: str
+    out: Path,
+    folder: RunFolder,
+    task: Task,
+    seed: int,
+    max_trials: int,
+    go_on: str,
+    output: Output,
 ) -> int:
     with importing():
         from drake_viapoint.runs.learning_run import learn as learn_task
@@ -196,20 +207,25 @@ def _trials(
     def report(record: dict[str, Any], trial: Trial) -> None:
         mark = "*" if record["success"] else " "
         purpose = f"{record['purpose']} {record['subtask']}"
-        click.echo(f"trial {record['trial']:3d} {mark} {purpose:<20} {trial.summary()}")
+        output.say(f"trial {record['trial']:3d} {mark} {purpose:<20} {trial.summary()}")
+
+    def ended(learned_at: int | None, why: str) -> int:
+        trials = len(folder.trials)
+        data = {"run": out, "task": task.name, "learned_at": learned_at, "trials": trials}
+        output.result(data if learned_at else {**data, "reason": why}, [why])
+        return LEARNED if learned_at else NOT_LEARNED
 
     try:
         result = learn_task(task, folder, seed=seed, max_trials=max_trials, on_trial=report)
     except OutcomeNotFiniteError as error:
-        click.echo(f"not learned: {error}; try it once more with: {go_on}")
-        return NOT_LEARNED
+        return ended(None, f"not learned: {error}; try it once more with: {go_on}")
     except LearningError as error:
-        click.echo(f"not learned: {error}; {len(folder.trials)} trials are in {out}")
-        return NOT_LEARNED
+        return ended(None, f"not learned: {error}; {len(folder.trials)} trials are in {out}")
     if result.learned_at is None:
-        click.echo(f"not learned within {result.trials} trials; they are in {out}")
-        return NOT_LEARNED
+        return ended(None, f"not learned within {result.trials} trials; they are in {out}")
     repeats = result.trials - result.learned_at
     then = f", then {repeats} repeats" if repeats else ""
-    click.echo(f"learned at trial {result.learned_at}{then}; {result.trials} trials are in {out}")
-    return LEARNED
+    return ended(
+        result.learned_at,
+        f"learned at trial {result.learned_at}{then}; {result.trials} trials are in {out}",
+    )

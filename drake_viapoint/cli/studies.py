@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
 from drake_viapoint.cli.ending import importing, interruptible
+from drake_viapoint.cli.output import Output, speaking
 
 _PATH = click.Path(path_type=Path)
 
@@ -21,7 +23,8 @@ _PATH = click.Path(path_type=Path)
 @click.option(
     "--angle", type=float, default=5.0, show_default=True, help="Turned by so much [deg]."
 )
-def components(run: Path, out: Path, position: float, angle: float) -> None:
+@speaking
+def components(run: Path, out: Path, position: float, angle: float, output: Output) -> None:
     """Find which via-point components move the ball in a run of the serve (our Fig. 9).
 
     \b
@@ -31,45 +34,52 @@ def components(run: Path, out: Path, position: float, angle: float) -> None:
     """
     if not (position > 0 and angle > 0):
         raise click.UsageError("--position and --angle must be positive")
+    output.say(f"moving every component of {run}")
     with importing():
         from drake_viapoint.reproduction.components import study_components
 
     with interruptible(lambda: "interrupted; nothing was written"):
-        lines = study_components(run, out, position=position, angle=math.radians(angle))
-    for line in lines:
-        click.echo(line)
+        studied = study_components(run, out, position=position, angle=math.radians(angle))
+    found = studied.found
+    data = {
+        "S_H": {"by_norm": found.throw.control},
+        "S_G": {"by_norm": found.by_norm.control, "by_ratio": found.by_ratio.control},
+        "out": out,
+    }
+    output.result(data, studied.lines)
 
 
 @click.command()
 @click.option("--out", required=True, type=_PATH, help="Folder of the table.")
 @click.option("--persons", type=click.IntRange(1), default=20, show_default=True)
-def choices(out: Path, persons: int) -> None:
+@speaking
+def choices(out: Path, persons: int, output: Output) -> None:
     """Learn many persons' serves with components chosen by norm and by ratio (section 2.2.2).
 
     \b
     Example:
       drake-viapoint choices --out results/choices --persons 20
     """
+    output.say(f"learning {persons} persons' serves into {out}")
     with importing():
-        from drake_viapoint.reproduction.choices import choices_summary, study_choices
+        from drake_viapoint.reproduction.choices import RESULTS, choices_summary, study_choices
         from drake_viapoint.reproduction.table import write_table
 
-    label = f"{'learning with each choice':<32}"
     with (
         interruptible(lambda: "interrupted; the same command goes on from here"),
-        click.progressbar(length=persons, label=label, show_eta=True) as bar,
+        output.bar("learning with each choice", persons) as bar,
     ):
-        results = study_choices(out / "choices.jsonl", persons, on_person=bar.update)
-    for line in choices_summary(results):
-        click.echo(line)
-    if results:
-        click.echo(f"table in {write_table(results, out / 'choices.csv')}")
+        results = study_choices(out / RESULTS, persons, on_person=bar.update)
+    table = write_table(results, out / "choices.csv")
+    data = {"table": table, "persons": [asdict(result) for result in results]}
+    output.result(data, [*choices_summary(results), f"table in {table}"])
 
 
 @click.command()
 @click.argument("sweep", type=_PATH)
 @click.option("--out", required=True, type=_PATH, help="Folder of the picture and tables.")
-def conditions(sweep: Path, out: Path) -> None:
+@speaking
+def conditions(sweep: Path, out: Path, output: Output) -> None:
     """Draw the learning curves of a sweep of the serve, and compare its conditions (our Fig. 10).
 
     The sweep needs repeats, and to tabulate d, landing_error, T_G, success, purpose and subtask.
@@ -79,8 +89,14 @@ def conditions(sweep: Path, out: Path) -> None:
       drake-viapoint sweep models/studies/three_conditions.yaml --out results/three_conditions
       drake-viapoint conditions results/three_conditions --out results
     """
+    output.say(f"comparing the conditions of {sweep}")
     with importing():
         from drake_viapoint.reproduction.conditions import study_conditions
 
-    for line in study_conditions(sweep, out):
-        click.echo(line)
+    studied = study_conditions(sweep, out)
+    data = {
+        "conditions": [asdict(result) for result in studied.results],
+        "pairs": [asdict(pair) for pair in studied.pairs],
+        "out": out,
+    }
+    output.result(data, studied.lines)

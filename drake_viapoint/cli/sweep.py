@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drake_viapoint.cli.ending import importing, interruptible
+from drake_viapoint.cli.output import Output, speaking
 
 if TYPE_CHECKING:
     from drake_viapoint.runs.workers import Workers
@@ -24,6 +25,7 @@ _PATH = click.Path(path_type=Path)
 @click.option("--scheduler", help="Address of a Dask cluster that does the runs instead.")
 @click.option("--csv", is_flag=True, help="Write the table as CSV, too.")
 @click.option("--no-folders", is_flag=True, help="Keep no trials, only the table.")
+@speaking
 def sweep(
     study: Path,
     out: Path,
@@ -31,6 +33,7 @@ def sweep(
     scheduler: str | None,
     csv: bool,
     no_folders: bool,
+    output: Output,
 ) -> None:
     """Do all runs of a study, and put them into one table.
 
@@ -56,6 +59,7 @@ def sweep(
     """
     if scheduler is not None and workers is not None:
         raise click.UsageError("give either --workers or --scheduler")
+    output.say(f"the runs of {study} go to {out}")
     with importing():
         from drake_viapoint.runs.study_file import read_study
         from drake_viapoint.runs.study_table import TABLE, condition_summaries, never_given
@@ -67,9 +71,7 @@ def sweep(
     ):
         asked = read_study(study)
         hands = _workers(workers, scheduler, closing)
-        bar = closing.enter_context(
-            click.progressbar(length=len(asked), label=f"{'runs':<32}", show_eta=True)
-        )
+        bar = closing.enter_context(output.bar("runs", len(asked)))
         began = False
 
         def show(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -80,12 +82,21 @@ def sweep(
             bar.update(len(rows))
 
         table = sweep_study(asked, out, hands, folders=not no_folders, csv=csv, on_rows=show)
-    for line in condition_summaries(table, asked.max_trials):
-        click.echo(line)
-    for name in never_given(table, asked.tabulate):
-        click.echo(f"no trial gave {name}: is that what it is called?")
+    unknown = never_given(table, asked.tabulate)
     runs = "" if no_folders else f", runs in {out / 'runs'}"
-    click.echo(f"table in {out / TABLE}{runs}")
+    data = {
+        "table": out / TABLE,
+        "runs": len(table),
+        "learned": int(table["learned_at"].notna().sum()),
+        "errors": int(table["error"].notna().sum()),
+        "never_given": unknown,
+    }
+    lines = [
+        *condition_summaries(table, asked.max_trials),
+        *(f"no trial gave {name}: is that what it is called?" for name in unknown),
+        f"table in {out / TABLE}{runs}",
+    ]
+    output.result(data, lines)
 
 
 def _workers(number: int | None, scheduler: str | None, closing: ExitStack) -> Workers:

@@ -6,7 +6,7 @@ with the three components of the largest norms, then with those of the largest r
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,10 @@ from joblib import Parallel, delayed
 
 from drake_viapoint.errors import LearningError
 from drake_viapoint.reproduction.components import first_meeting, serve_components
+from drake_viapoint.reproduction.findings import Comparison, Findings, judged
 from drake_viapoint.reproduction.persons import MAX_TRIALS
+from drake_viapoint.reproduction.progress import Progress
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.learning_run import learn, recorded_via_points
 from drake_viapoint.runs.memory_log import MemoryLog
 from drake_viapoint.runs.study_log import StudyLog
@@ -24,6 +27,9 @@ from drake_viapoint.runs.task_run import versions
 from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.scenario import dump_scenario
 from drake_viapoint.tasks.serve import ServeTask
+
+RESULTS = "choices.jsonl"
+"""File of the results, a line a person."""
 
 _POSITION, _ANGLE = 0.01, float(np.radians(1.0))  # small enough that hardly a ball is lost
 
@@ -49,6 +55,28 @@ class PersonChoice:
     by_ratio: int | None
 
 
+def reproduce_choices(out: Path, persons: int, progress: Progress) -> Findings:
+    """Learn many persons' serves with each choice, into a table.
+
+    Args:
+        out: Folder of the results and the table.
+        persons: How many.
+        progress: Shows what goes on.
+
+    Raises:
+        ViapointError: The folder cannot be written or holds another study.
+    """
+    with progress("learning with each choice", persons) as bar:
+        results = study_choices(out / RESULTS, persons, on_person=bar.update)
+    table = write_table(results, out / "choices.csv")
+    return Findings(
+        lines=(*choices_summary(results), f"table in {table}"),
+        comparisons=choices_comparison(results),
+        tables=(table.name,),
+        seeds="0, of every run",
+    )
+
+
 def study_choices(
     file: Path,
     persons: int,
@@ -71,13 +99,7 @@ def study_choices(
         RunFolderError: The file cannot be written or holds another study.
     """
     told = on_person or (lambda _: None)
-    study = {
-        "max_trials": MAX_TRIALS,
-        "perturbations": [_POSITION, _ANGLE],
-        "scenario": dump_scenario(task_scenario("serve")),
-        "versions": versions(),
-    }
-    with StudyLog(file, study) as log:
+    with StudyLog(file, choices_identity()) as log:
         missing = sorted(set(range(persons)) - {row["person"] for row in log.rows})
         told(persons - len(missing))
         work = Parallel(n_jobs=workers, return_as="generator_unordered")(
@@ -88,6 +110,16 @@ def study_choices(
             told(1)
         rows = sorted(log.rows, key=lambda row: int(row["person"]))
     return [PersonChoice(**row) for row in rows if row["person"] < persons]
+
+
+def choices_identity() -> dict[str, Any]:
+    """What the results depend on beside the number of persons."""
+    return {
+        "max_trials": MAX_TRIALS,
+        "perturbations": [_POSITION, _ANGLE],
+        "scenario": dump_scenario(task_scenario("serve")),
+        "versions": versions(),
+    }
 
 
 def choices_summary(results: list[PersonChoice]) -> list[str]:
@@ -105,6 +137,31 @@ def choices_summary(results: list[PersonChoice]) -> list[str]:
             f"{MAX_TRIALS} trials{median}"
         )
     return lines
+
+
+def choices_comparison(results: Sequence[PersonChoice]) -> tuple[Comparison, ...]:
+    """What the paper says comes of choosing by norm and by ratio, and what does."""
+    by_norm = sum(result.by_norm is not None for result in results)
+    by_ratio = sum(result.by_ratio is not None for result in results)
+    number = len(results)
+    return (
+        Comparison(
+            "S_G chosen by norm",
+            "2.2.2",
+            "does not converge",
+            f"{by_norm} of {number} persons' serves learned",
+            judged(2 * by_norm < number),
+            "the paper has one person; here it fails for most, not for all",
+        ),
+        Comparison(
+            "S_G chosen by ratio",
+            "2.2.2",
+            "converges stably",
+            f"{by_ratio} of {number} persons' serves learned",
+            judged(2 * by_ratio > number),
+            "" if by_ratio == number else "the rest leave the arm's reach",
+        ),
+    )
 
 
 def _study(person: int) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,17 @@ from drake_viapoint.runs.task_run import read_scenario
 from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import STRIKE, THROW
 
+TABLES = tuple(f"components_{name}.csv" for name in ("throw", "strike_norm", "strike_ratio"))
+"""Files of the tables of why: S_H by norm, S_G by norm, S_G by ratio."""
+
 _THROW, _STRIKE = 6, 3  # components of the paper's S_H and S_G
+
+
+class ComponentsStudied(NamedTuple):
+    """What was found, and said of it."""
+
+    found: ServeComponents
+    lines: list[str]
 
 
 @dataclass(frozen=True)
@@ -106,7 +116,7 @@ def study_components(
     position: float = 0.05,
     angle: float = float(np.radians(5.0)),
     on_trial: Callable[[], None] | None = None,
-) -> list[str]:
+) -> ComponentsStudied:
     """Draw our Fig. 9 from a run of the serve, and write the tables of why.
 
     Args:
@@ -117,7 +127,7 @@ def study_components(
         on_trial: Called after each trial.
 
     Returns:
-        Lines that say what was chosen and where it is.
+        What was found, with lines that say what was chosen and where it is.
 
     Raises:
         RunFolderError: It is no run of the serve, or its throw was not learned.
@@ -143,10 +153,9 @@ def study_components(
         ),
         out / "figure9.png",
     )  # fmt: skip
-    tables = {"throw": found.throw, "strike_norm": found.by_norm, "strike_ratio": found.by_ratio}
-    for name, selection in tables.items():
-        write_table(selection.table, out / f"components_{name}.csv")
-    return [
+    for name, selection in zip(TABLES, (found.throw, found.by_norm, found.by_ratio), strict=True):
+        write_table(selection.table, out / name)
+    lines = [
         f"S_H by norm: {' '.join(found.throw.control)} (the paper: x3 y3 z3 x4 y4 z4)",
         f"S_G by norm: {' '.join(found.by_norm.control)}",
         f"S_G by ratio: {' '.join(found.by_ratio.control)} (the paper: phi6 phi7 psi7)",
@@ -154,3 +163,4 @@ def study_components(
         + (f", the first: {next(iter(found.g.gaps.values()))}" if found.g.gaps else ""),
         f"picture in {picture}, tables in {out}/components_*.csv",
     ]
+    return ComponentsStudied(found, lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.demonstration.markers import read_markers
 from drake_viapoint.demonstration.racket_pose import RACKET_MARKERS, BodyMarkers, racket_pose
 from drake_viapoint.errors import ExtractionError, ImpactNotFoundError
-from drake_viapoint.motion.extraction import extract_via_points
+from drake_viapoint.motion.extraction import Extraction, extract_via_points
 from drake_viapoint.motion.minimum_jerk import EndMotion, minimum_jerk
 from drake_viapoint.reproduction import figure4
 from drake_viapoint.reproduction.style import POSE_LABELS, save
@@ -22,6 +23,14 @@ from drake_viapoint.robot.retargeting import POSE_NAMES
 _LEVER = 0.3  # [m/rad] makes angles comparable with positions
 _DEFAULT_NUMBER = 8
 _MOVING = 0.05  # [m/s] an end slower than this counts as rest
+
+
+class Extracted(NamedTuple):
+    """What was extracted, and said of it."""
+
+    extraction: Extraction
+    hit_time: float | None  # [s]
+    lines: list[str]
 
 
 def extract_from_file(
@@ -35,7 +44,7 @@ def extract_from_file(
     start: float | None = None,
     end: float | None = None,
     hit_time: float | None = None,
-) -> list[str]:
+) -> Extracted:
     """Extract via-points, draw them, and say them in lines.
 
     Args:
@@ -109,7 +118,7 @@ def extract_from_file(
         path=minimum_jerk(points.times, points.values, ends),
     )
     save(figure, picture)
-    return lines
+    return Extracted(extraction, hit_time, lines)
 
 
 def _part(recording: MarkerRecording, start: float | None, end: float | None) -> MarkerRecording:

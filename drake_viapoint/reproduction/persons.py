@@ -10,6 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drake_viapoint.errors import RunFolderError, ViapointError
+from drake_viapoint.reproduction.captions import captioned
+from drake_viapoint.reproduction.findings import Findings
+from drake_viapoint.reproduction.progress import Progress
+from drake_viapoint.reproduction.style import save
+from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.task_run import begin_or_resume
@@ -41,6 +46,29 @@ class PersonResult:
     learned_at: int | None
     trials: int
     reason: str
+
+
+def reproduce_persons(out: Path, number: int, progress: Progress) -> Findings:
+    """Learn the serve from many virtual persons.
+
+    Args:
+        out: Folder of the picture, the table and the runs.
+        number: Of persons.
+        progress: Shows what goes on.
+
+    Raises:
+        ViapointError: The folder cannot be written or holds other runs.
+    """
+    with progress("learning from virtual persons", number) as bar:
+        results = study_persons(out / "persons", number, lambda: bar.update(1))
+    table = write_table(results, out / "persons.csv")
+    picture = save(draw(results), out / "persons.png")
+    return Findings(
+        lines=(summary(results), f"table in {table}, picture in {picture}"),
+        pictures=captioned(picture.name),
+        tables=(table.name,),
+        seeds="0, of every run",
+    )
 
 
 def study_persons(

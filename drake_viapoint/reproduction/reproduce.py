@@ -1,52 +1,160 @@
-"""Everything of the paper that stands so far, from runs made here and now, in one folder."""
+"""Everything the paper has, from runs made here and now, on one page in one folder."""
 
 from __future__ import annotations
 
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from drake_viapoint.reproduction.conditions import reproduce_conditions
+from drake_viapoint.reproduction.experiments import BY_NAME, EXPERIMENTS, Experiment
+from drake_viapoint.reproduction.findings import Findings
+from drake_viapoint.reproduction.ledger import (
+    Entry,
+    Ledger,
+    differences,
+    now_in_words,
+    source_digest,
+)
 from drake_viapoint.reproduction.progress import Progress
-from drake_viapoint.reproduction.robot import reproduce_robot
-from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
-from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
+from drake_viapoint.reproduction.report import write_report
+
+
+@dataclass(frozen=True)
+class Reproduced:
+    """What became of one experiment in a call.
+
+    Attributes:
+        name: Of the experiment.
+        unchanged: Whether it was there, and nothing had to be done.
+        seconds: That it took, now or when it was made [s].
+        findings: What it brought.
+    """
+
+    name: str
+    unchanged: bool
+    seconds: float
+    findings: Findings
 
 
 def reproduce(
     out: Path,
-    serve_persons: int,
-    upswing_persons: int,
+    sizes: Mapping[str, int],
     progress: Progress,
-    only: str | None = None,
-    *,
-    disturbed_runs: int = 100,
-    robot_runs: int = 20,
-) -> list[str]:
-    """Reproduce the serve (sections 2 and 3.2), on a robot (2.1), and the upswing (3.3).
+    say: Callable[[str], None] = lambda _: None,
+) -> list[Reproduced]:
+    """Make experiments that a folder lacks, and a page of all that it holds.
 
-    What the folder holds already is gone on with, not done again.
+    An experiment is done again if its scenario or a version has changed: its earlier runs are moved
+    to ``earlier/``, none is deleted. If only the code that draws has changed, or a file is gone, it
+    is drawn anew from the runs that are there. A larger study than the one asked for stays.
 
     Args:
-        out: Folder of figures, recordings and runs.
-        serve_persons: Virtual persons from whom the serve is learned; no study if 0.
-        upswing_persons: The same for the upswing.
+        out: Folder of figures, recordings, tables, runs, and of ``index.html``.
+        sizes: How large each experiment is to be, by its name; others are left alone.
         progress: Shows what goes on.
-        only: "serve", "robot" or "upswing"; all if None.
-        disturbed_runs: Of the serve under each condition of section 3.2; no study if 0.
-        robot_runs: Of the robot experiment; none if 0.
-
-    Returns:
-        Lines that say what was found and where it is.
+        say: Told what is done, and what is not done and why.
 
     Raises:
-        ViapointError: The folder cannot be written or holds other runs.
+        ViapointError: The folder cannot be written or holds runs that are not in its ledger.
     """
-    lines = []
-    if only in (None, "serve"):
-        lines += reproduce_serve(out, serve_persons, progress)
-        if disturbed_runs:
-            lines += reproduce_conditions(out, disturbed_runs, progress)
-    if only in (None, "robot") and robot_runs:
-        lines += reproduce_robot(out, robot_runs, progress)
-    if only in (None, "upswing"):
-        lines += reproduce_upswing(out, upswing_persons, progress)
-    return lines
+    ledger, source = Ledger(out), source_digest()
+    plans = [_plan(ledger, BY_NAME[name], size, source) for name, size in sizes.items()]
+    clock = _Clock(sum(plan.duration for plan in plans))
+    done = []
+    for number, plan in enumerate(plans, start=1):
+        where = f"{plan.experiment.name} ({number} of {len(plans)}"
+        if plan.kept is not None:
+            say(f"{where}): as made {plan.kept.finished}; {plan.why}")
+        else:
+            say(f"{where}{clock.left()}): {plan.why}")
+        done.append(_carry_out(plan, out, ledger, source, progress, say))
+        if plan.kept is None:
+            clock.passed(plan.duration)
+    write_report(out, {e.name: ledger.read(e.name) for e in EXPERIMENTS})
+    return done
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What is to be done for an experiment, and why."""
+
+    experiment: Experiment
+    depends: Mapping[str, Any]
+    size: int
+    why: str
+    kept: Entry | None = None  # what need not be done again
+    outdated: bool = False  # whether runs of another scenario or version are in the way
+
+    @property
+    def duration(self) -> float:
+        return 0.0 if self.kept else self.experiment.duration(self.size)
+
+
+def _plan(ledger: Ledger, experiment: Experiment, size: int, source: str) -> _Plan:
+    depends = json.loads(json.dumps(experiment.depends()))
+    entry = ledger.read(experiment.name)
+    counted = f"{size} {experiment.unit}" if experiment.unit else "one run"
+    if entry is None:
+        return _Plan(experiment, depends, size, counted)
+    if changed := differences(entry.depends, depends):
+        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        why = f"done again, as {', '.join(changed[:3])}{more}"
+        return _Plan(experiment, depends, size, why, outdated=True)
+    if entry.findings is None:
+        return _Plan(experiment, depends, size, f"{counted}; going on")
+    if size > entry.size:
+        return _Plan(experiment, depends, size, f"{counted}, of which {entry.size} are there")
+    if missing := ledger.missing(entry.findings):
+        why = f"drawn anew, as {missing[0]} is gone; its runs are kept"
+        return _Plan(experiment, depends, entry.size, why)
+    if entry.source != source:
+        why = "drawn anew, as the package's code has changed; its runs are kept"
+        return _Plan(experiment, depends, entry.size, why)
+    why = "nothing has changed, so it is not done again"
+    return _Plan(experiment, depends, entry.size, why, kept=entry)
+
+
+def _carry_out(
+    plan: _Plan,
+    out: Path,
+    ledger: Ledger,
+    source: str,
+    progress: Progress,
+    say: Callable[[str], None],
+) -> Reproduced:
+    name, kept = plan.experiment.name, plan.kept
+    if kept is not None and kept.findings is not None:
+        return Reproduced(name, True, kept.seconds, kept.findings)
+    if plan.outdated and (aside := ledger.set_aside(plan.experiment.runs)):
+        say(f"  its earlier runs are in {aside}")
+    ledger.write(name, Entry(plan.depends, plan.size, source))
+    began = time.monotonic()
+    findings = plan.experiment.make(out, plan.size, progress)
+    seconds = time.monotonic() - began
+    entry = Entry(plan.depends, plan.size, source, now_in_words(), seconds, findings)
+    ledger.write(name, entry)
+    for line in findings.lines:
+        say(f"  {line}")
+    return Reproduced(name, False, seconds, findings)
+
+
+class _Clock:
+    """Tells how much time is left, from how long what is done took."""
+
+    def __init__(self, expected: float) -> None:
+        self._began = time.monotonic()
+        self._expected = expected
+        self._passed = 0.0
+
+    def passed(self, expected: float) -> None:
+        """Something is done that was expected to take so long [s]."""
+        self._passed += expected
+
+    def left(self) -> str:
+        """In words."""
+        pace = (time.monotonic() - self._began) / self._passed if self._passed else 1.0
+        minutes = pace * (self._expected - self._passed) / 60
+        return f", about {minutes:.0f} min left" if minutes >= 1.5 else ", about a minute left"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,11 @@ import pandas as pd
 
 from drake_viapoint.errors import ViapointError
 from drake_viapoint.reproduction import figure6, figure7
+from drake_viapoint.reproduction.captions import captioned
+from drake_viapoint.reproduction.findings import Findings, Recording
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
+from drake_viapoint.reproduction.robot_comparison import robot_comparison
 from drake_viapoint.reproduction.robot_runs import robot_run, summary
 from drake_viapoint.reproduction.shipped_study import sweep_first
 from drake_viapoint.reproduction.shown_trials import executed_trials, shown_trials
@@ -24,7 +28,7 @@ STUDY = "package://drake_viapoint/studies/robot.yaml"
 """The study that is shipped."""
 
 
-def reproduce_robot(out: Path, runs: int, progress: Progress) -> list[str]:
+def reproduce_robot(out: Path, runs: int, progress: Progress) -> Findings:
     """Learn the serve as on a robot, again and again, and draw our Figs. 6 and 7.
 
     What the folder holds already is not done again.
@@ -33,9 +37,6 @@ def reproduce_robot(out: Path, runs: int, progress: Progress) -> list[str]:
         out: Folder of figures, recordings, the table and the sweep.
         runs: How many; at most as many as the shipped study has.
         progress: Shows what goes on.
-
-    Returns:
-        Lines that say what was found and where it is.
 
     Raises:
         ViapointError: The folder cannot be written or holds another study.
@@ -47,7 +48,7 @@ def reproduce_robot(out: Path, runs: int, progress: Progress) -> list[str]:
     return study_robot(table, folder, out, progress)
 
 
-def study_robot(table: pd.DataFrame, folder: Path, out: Path, progress: Progress) -> list[str]:
+def study_robot(table: pd.DataFrame, folder: Path, out: Path, progress: Progress) -> Findings:
     """Draw our Figs. 6 and 7 of a sweep of the robot's serve, and count its successes.
 
     Args:
@@ -55,9 +56,6 @@ def study_robot(table: pd.DataFrame, folder: Path, out: Path, progress: Progress
         folder: Of the sweep.
         out: Folder of pictures, recordings and the table.
         progress: Shows what goes on.
-
-    Returns:
-        Lines that say what was found and where it is.
 
     Raises:
         ViapointError: Something cannot be read or written.
@@ -91,17 +89,29 @@ def study_robot(table: pd.DataFrame, folder: Path, out: Path, progress: Progress
         save(figure7.draw(records[0], *tolerances, runs=records), out / "figure7.png")
         bar.update(1)
         pages = _recordings(first, shown, out, bar)
-    return [
-        *summary(runs, most),
-        f"pictures in {out}/figure6.png and {out}/figure7.png, table in {written}",
-        "recordings in " + ", ".join(map(str, pages)),
-    ]
+    return Findings(
+        lines=(
+            *summary(runs, most),
+            f"pictures in {out}/figure6.png and {out}/figure7.png, table in {written}",
+            "recordings in " + ", ".join(str(out / page.file) for page in pages),
+        ),
+        pictures=captioned("figure6.png", "figure7.png"),
+        recordings=tuple(pages),
+        comparisons=robot_comparison(runs, records),
+        tables=(written.name,),
+        seeds=f"{min(run.seed for run in runs)} to {max(run.seed for run in runs)}, each another "
+        "robot",
+    )
 
 
-def _recordings(run: Path, shown: dict[str, list[int]], out: Path, bar: Any) -> list[Path]:
-    pages = []
-    for number in dict.fromkeys(numbers[-1] for numbers in shown.values()):
-        pages.append(out / f"robot_trial{number:02d}.html")
-        record_trial(run, number, pages[-1])
+def _recordings(
+    run: Path, shown: Mapping[str, Sequence[int]], out: Path, bar: Any
+) -> list[Recording]:
+    pages: list[Recording] = []
+    for title, numbers in shown.items():
+        page = Recording(f"robot_trial{numbers[-1]:02d}.html", f"the robot's serve, {title}")
+        if page.file not in {other.file for other in pages}:
+            record_trial(run, numbers[-1], out / page.file)
+            pages.append(page)
         bar.update(1)
     return pages

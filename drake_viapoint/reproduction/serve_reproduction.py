@@ -1,4 +1,4 @@
-"""The serve from a run made here and now: our Figs. 2 to 5, its curve, three recordings, the study.
+"""The serve from a run made here and now: our Figs. 2 to 5 and 9, its curve, three recordings.
 
 Executed by events, as in the paper's simulation; our Figs. 6 and 7 are the robot's.
 """
@@ -19,11 +19,13 @@ from drake_viapoint.reproduction import (
     figure7,
     persons,
 )
+from drake_viapoint.reproduction.captions import captioned
+from drake_viapoint.reproduction.findings import Findings, Recording
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
+from drake_viapoint.reproduction.serve_comparison import serve_comparison
 from drake_viapoint.reproduction.shown_trials import executed_trials, shown_trials
 from drake_viapoint.reproduction.style import POSE_LABELS, SYNTHETIC, save
-from drake_viapoint.reproduction.table import write_table
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.task_run import begin_or_resume
@@ -31,21 +33,17 @@ from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
 
 
-def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> list[str]:
-    """Run the serve, draw our Figs. 2 to 5 and its curve, learn it from many persons.
+def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
+    """Run the serve, draw our Figs. 2 to 5, its curve and our Fig. 9, and record three trials.
 
-    Runs that the folder holds already are gone on with, not done again.
+    A run that the folder holds already is gone on with, not done again.
 
     Args:
-        out: Folder of figures, recordings and runs.
-        number_of_persons: Virtual persons of the study; none is made if 0.
+        out: Folder of figures, recordings and the run.
         progress: Shows what goes on.
 
-    Returns:
-        Lines that say what was found and where it is.
-
     Raises:
-        ViapointError: The folder cannot be written or holds other runs.
+        ViapointError: The folder cannot be written or holds another run.
     """
     run = out / "serve"
     folder, scenario = begin_or_resume(run, task_scenario("serve"))
@@ -62,35 +60,39 @@ def reproduce_serve(out: Path, number_of_persons: int, progress: Progress) -> li
     records = read_trials(run)
     shown = shown_trials(records)
     with progress("figures and recordings", 6 + len(shown)) as bar:
-        for name, figure in _figures(task, records, shown).items():
+        figures = _figures(task, records, shown)
+        for name, figure in figures.items():
             save(figure, out / f"{name}.png")
             bar.update(1)
-        recordings = [
-            (number, out / f"serve_trial{number:02d}.html")
-            for number in dict.fromkeys(numbers[-1] for numbers in shown.values())
-        ]
-        for number, page in recordings:
-            record_trial(run, number, page)
+        pages = {}
+        for title, numbers in shown.items():
+            page = Recording(f"serve_trial{numbers[-1]:02d}.html", f"the serve, {title}")
+            if page.file not in pages:
+                record_trial(run, numbers[-1], out / page.file)
+                pages[page.file] = page
             bar.update(1)
     lines = [
         f"serve: learned at trial {result.learned_at}"
         if result.learned_at
         else f"serve: not learned within {result.trials} trials",
         f"figures in {out}/figure2.png to figure5.png, serve_views.png and serve_curve.png",
-        "recordings in " + ", ".join(str(page) for _, page in recordings),
+        "recordings in " + ", ".join(str(out / name) for name in pages),
     ]
+    pictures = [f"{name}.png" for name in figures]
+    found: components.ServeComponents | None = None
     if components.first_meeting(records, scenario.learning.throw.reached):
         with progress("moving each component", components.trials_of(task)) as bar:
-            lines += components.study_components(run, out, on_trial=lambda: bar.update(1))
-    if number_of_persons:
-        with progress("learning from virtual persons", number_of_persons) as bar:
-            results = persons.study_persons(
-                out / "persons", number_of_persons, lambda: bar.update(1)
-            )
-        table = write_table(results, out / "persons.csv")
-        save(persons.draw(results), out / "persons.png")
-        lines += [persons.summary(results), f"table in {table}, picture in {out}/persons.png"]
-    return lines
+            found, said = components.study_components(run, out, on_trial=lambda: bar.update(1))
+        lines += said
+        pictures.append("figure9.png")
+    return Findings(
+        lines=tuple(lines),
+        pictures=captioned(*pictures),
+        recordings=tuple(pages.values()),
+        comparisons=serve_comparison(task.watched, result.learned_at, found),
+        tables=components.TABLES if found else (),
+        seeds=str(scenario.seed),
+    )
 
 
 def _figures(

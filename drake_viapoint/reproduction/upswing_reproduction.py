@@ -1,4 +1,4 @@
-"""Section 3.3 from runs made here and now: our Figs. 11 to 14, three recordings, the study."""
+"""Section 3.3 from runs made here and now: our Figs. 11 to 14, three recordings; many persons."""
 
 from __future__ import annotations
 
@@ -8,10 +8,16 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from drake_viapoint.reproduction import figure11, figure12, figure13, upswing_persons
+from drake_viapoint.reproduction.captions import captioned
+from drake_viapoint.reproduction.findings import Findings, Recording
 from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.reproduction.recording import record_trial
 from drake_viapoint.reproduction.style import save
 from drake_viapoint.reproduction.table import write_table
+from drake_viapoint.reproduction.upswing_comparison import (
+    upswing_comparison,
+    upswing_persons_comparison,
+)
 from drake_viapoint.reproduction.upswing_study import (
     MAX_TRIALS,
     study_result,
@@ -27,22 +33,21 @@ from drake_viapoint.tasks.upswing import UpswingTask
 from drake_viapoint.tasks.upswing_scene import UpswingScene
 from drake_viapoint.tasks.upswing_trial import UpswingTrial
 
+PERSONS = "upswing_persons.jsonl"
+"""File of the study's results, a line a person."""
+
 _RECORDED = (1, 15, 30)  # trials shown in a browser
 _FIRST, _LAST = 1, 30  # trials of Figs. 12 and 14
 
 
-def reproduce_upswing(out: Path, persons: int, progress: Progress) -> list[str]:
-    """Learn the upswing in each way, draw our Figs. 11 to 14, record trials, learn from persons.
+def reproduce_upswing(out: Path, _: int, progress: Progress) -> Findings:
+    """Learn the upswing in each way, draw our Figs. 11 to 14, and record three trials.
 
     Runs that the folder holds already are gone on with, not done again.
 
     Args:
         out: Folder of figures, recordings and runs.
-        persons: Virtual persons of the study; none is made if 0.
         progress: Shows what goes on.
-
-    Returns:
-        Lines that say what was found and where it is.
 
     Raises:
         ViapointError: The folder cannot be written or holds other runs.
@@ -53,21 +58,60 @@ def reproduce_upswing(out: Path, persons: int, progress: Progress) -> list[str]:
             task = _learn(way, path)
             bar.update(MAX_TRIALS)
     records = {way: read_trials(path) for way, path in runs.items()}
-    recordings = [(number, out / f"upswing_trial{number:02d}.html") for number in _RECORDED]
-    with progress("figures and recordings", 4 + len(recordings)) as bar:
-        for name, figure in _figures(task, records).items():
+    pages = [
+        Recording(f"upswing_trial{number:02d}.html", f"the upswing, trial {number}")
+        for number in _RECORDED
+    ]
+    figures = _figures(task, records)
+    with progress("figures and recordings", len(figures) + len(pages)) as bar:
+        for name, figure in figures.items():
             save(figure, out / f"{name}.png")
             bar.update(1)
-        for number, page in recordings:
-            record_trial(runs["recorded"], number, page)
+        for number, page in zip(_RECORDED, pages, strict=True):
+            record_trial(runs["recorded"], number, out / page.file)
             bar.update(1)
     lines = [_first_success(way, lines) for way, lines in records.items()]
     lines += [
         _in_the_plant(task, records["recorded"][-1]),
         f"figures in {out}/figure11.png to figure14.png",
-        "recordings in " + ", ".join(str(page) for _, page in recordings),
+        "recordings in " + ", ".join(str(out / page.file) for page in pages),
     ]
-    return lines + (_study(out, persons, progress) if persons else [])
+    return Findings(
+        lines=tuple(lines),
+        pictures=captioned(*sorted(f"{name}.png" for name in figures)),
+        recordings=tuple(pages),
+        comparisons=upswing_comparison(task.scenario, records),
+        seeds=str(task.scenario.seed),
+    )
+
+
+def reproduce_upswing_persons(out: Path, persons: int, progress: Progress) -> Findings:
+    """Learn the upswing from many virtual persons, in each way and each execution.
+
+    Args:
+        out: Folder of the pictures, the table and the results.
+        persons: How many.
+        progress: Shows what goes on.
+
+    Raises:
+        ViapointError: The folder cannot be written or holds another study.
+    """
+    with progress("upswings of virtual persons", persons) as bar:
+        runs = study_upswings(out / PERSONS, persons, on_person=bar.update)
+    results = study_result(runs)
+    table = write_table(results, out / "upswing_persons.csv")
+    learning = task_scenario("upswing").learning
+    success = save(upswing_persons.draw_success(runs, results), out / "upswing_persons.png")
+    drawn = upswing_persons.draw_curves(runs, learning.angle_tolerance, learning.speed_tolerance)
+    curves = save(drawn, out / "upswing_curves.png")
+    said = f"table in {table}, pictures in {success} and {curves}"
+    return Findings(
+        lines=(*map(summary, results), said),
+        pictures=captioned(success.name, curves.name),
+        comparisons=upswing_persons_comparison(results),
+        tables=(table.name,),
+        seeds="0, of every run",
+    )
 
 
 def _learn(way: str, path: Path) -> UpswingTask:
@@ -117,18 +161,3 @@ def _in_the_plant(task: UpswingTask, record: dict[str, Any]) -> str:
         f"the last of these in the plant: {trial.summary()}; {angle:+.3f} rad and {speed:+.2f} "
         "rad/s from the paper's equation, whose steps are of first order"
     )
-
-
-def _study(out: Path, persons: int, progress: Progress) -> list[str]:
-    with progress("upswings of virtual persons", persons) as bar:
-        runs = study_upswings(out / "upswing_persons.jsonl", persons, on_person=bar.update)
-    results = study_result(runs)
-    table = write_table(results, out / "upswing_persons.csv")
-    learning = task_scenario("upswing").learning
-    save(upswing_persons.draw_success(runs, results), out / "upswing_persons.png")
-    curves = upswing_persons.draw_curves(runs, learning.angle_tolerance, learning.speed_tolerance)
-    save(curves, out / "upswing_curves.png")
-    return [
-        *map(summary, results),
-        f"table in {table}, pictures in {out}/upswing_persons.png and {out}/upswing_curves.png",
-    ]

@@ -119,13 +119,7 @@ def study_upswings(
     Raises:
         RunFolderError: The file cannot be written or holds another study.
     """
-    study = {
-        "max_trials": MAX_TRIALS,
-        "executions": list(executions),
-        "scenario": dump_scenario(task_scenario("upswing")),
-        "versions": versions(),
-    }
-    with StudyLog(file, study) as log:
+    with StudyLog(file, study_identity(executions)) as log:
         wanted = set(range(persons))
         missing = sorted(wanted - {row["person"] for row in log.rows})
         if on_person is not None:
@@ -142,6 +136,16 @@ def study_upswings(
         done = [row for row in log.rows if row["person"] in wanted]
     done.sort(key=lambda row: row["person"])
     return [run for row in done for run in _runs(row)]
+
+
+def study_identity(executions: Sequence[str] = EXECUTIONS) -> dict[str, Any]:
+    """What the study's results depend on beside the number of persons."""
+    return {
+        "max_trials": MAX_TRIALS,
+        "executions": list(executions),
+        "scenario": dump_scenario(task_scenario("upswing")),
+        "versions": versions(),
+    }
 
 
 def study_result(runs: Iterable[PersonRun]) -> list[WayResult]:

@@ -1,5 +1,6 @@
-# `make reproduce` runs the paper's experiments, `make test` checks the code. Each sets itself up in
-# a virtual environment first: .venv, or .venv-X.Y when PYTHON names another interpreter, as in
+# `make reproduce` runs the paper's experiments (`make reproduce FULL=1` at full size), `make test`
+# checks the code, `make notebooks` executes the notebooks. Each sets itself up in a virtual
+# environment first: .venv, or .venv-X.Y when PYTHON names another interpreter, as in
 # `PYTHON=python3.13 make test`. A set-up cut short is thrown away and done again.
 
 PYTHON ?= python3
@@ -18,17 +19,20 @@ ready := $(VENV)/.ready-$(version)
 
 unexport PYTHONPATH PYTHONHOME VIRTUAL_ENV
 
-.PHONY: reproduce test setup clean
+.PHONY: reproduce test notebooks setup clean
 .DELETE_ON_ERROR:
 
 reproduce: $(ready)
-	$(bin)/drake-viapoint reproduce --out $(OUT)
+	$(bin)/drake-viapoint reproduce --out $(OUT) $(if $(FULL),--full)
 
 test: $(ready)
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 	$(bin)/mypy
 	$(bin)/python -m pytest -q --numprocesses auto --dist loadfile --no-loadscope-reorder
+
+notebooks: $(ready)
+	$(bin)/python -m pytest -q -m notebook --numprocesses auto tests/test_notebooks.py
 
 setup: $(ready)
 

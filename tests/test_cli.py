@@ -351,9 +351,7 @@ def test_a_folder_that_cannot_be_written(command: Callable[..., Answer], tmp_pat
     (tmp_path / "file").write_text("")
     below = tmp_path / "file" / "run"
     command("learn", "serve", "--out", below).refuses(str(below), "cannot be written")
-    command("reproduce", "--out", below, "--persons", "0", "--upswing-persons", "0").refuses(
-        "cannot be written"
-    )
+    command("reproduce", "--out", below, "--only", "serve").refuses("cannot be written")
     command("extract", SERVE, "--plot", below / "x.png").refuses(str(below), "cannot be written")
     command("demonstrate", "serve", "--out", below / "x.c3d").refuses(str(below))
     (tmp_path / "mine").mkdir()
@@ -658,7 +656,7 @@ def test_extract_from_a_real_serve(
 
 COMMANDS = [["learn", "serve"], ["learn", "upswing"], ["replay"], ["extract"], ["demonstrate"]]
 COMMANDS += [["components"], ["choices"], ["scenario"], ["reproduce"], ["sweep"]]
-COMMANDS += [["conditions"]]
+COMMANDS += [["conditions"], ["doctor"], ["completion"]]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -701,13 +699,109 @@ def test_mistyped_commands(command: Callable[..., Answer], arguments: list[str])
     command(*arguments).refuses()
 
 
-@pytest.mark.parametrize("arguments", [[], ["learn"]])
-def test_without_a_command_it_says_what_there_is(
-    command: Callable[..., Answer], arguments: list[str]
-) -> None:
-    answer = command(*arguments)
+def test_learn_without_a_task_says_which_there_are(command: Callable[..., Answer]) -> None:
+    answer = command("learn")
     assert answer.code == 2
     assert "Commands:" in answer.err
+
+
+def test_without_a_command_it_says_what_can_be_done_next(command: Callable[..., Answer]) -> None:
+    answer = command()
+    assert (answer.code, answer.err) == (0, "")
+    assert "drake-viapoint learn serve --out runs/first" in answer.out
+    assert "drake-viapoint reproduce --out results" in answer.out
+
+
+# ------------------------------------------------------------------------------ quiet, and JSON
+
+
+def test_a_script_gets_json_and_nothing_else(
+    command: Callable[..., Answer], run: Path, tmp_path: Path
+) -> None:
+    answer = command("learn", "serve", "--out", run, "--resume", "--json")
+    trials = len(read_trials(run))
+    told = json.loads(answer.out)
+    assert (answer.code, answer.err) == (0, "")
+    assert told == {
+        "run": str(run),
+        "task": "serve",
+        "learned_at": next(r["trial"] for r in read_trials(run) if r["purpose"] == "repeat") - 1,
+        "trials": trials,
+    }
+    told = json.loads(command("replay", run, "--html", "last.html", "--json").out)
+    assert told == {"run": str(run), "trial": trials, "html": "last.html"}
+    assert (tmp_path / "last.html").is_file()
+    told = json.loads(command("extract", SERVE, "--json").out)
+    assert len(told["times"]) == len(told["values"]) == 8
+    assert told["names"] == ["x", "y", "z", "phi", "theta", "psi"]
+    assert 0 < told["worst_error"] < 0.1
+    assert told["t_HIT"] == pytest.approx(find_impact(read_markers(SERVE)), abs=1e-3)
+    assert (tmp_path / told["picture"]).is_file()
+
+
+def test_not_learned_in_json_says_why(command: Callable[..., Answer], tmp_path: Path) -> None:
+    answer = command("learn", "upswing", "--out", "run", "--max-trials", "1", "--json")
+    told = json.loads(answer.out)
+    assert (answer.code, told["learned_at"], told["trials"]) == (1, None, 1)
+    assert told["reason"].startswith("not learned within 1 trials")
+    assert len(read_trials(tmp_path / "run")) == 1
+
+
+def test_quiet_is_quiet_but_errors_are_said(command: Callable[..., Answer]) -> None:
+    answer = command("learn", "upswing", "--out", "run", "--max-trials", "1", "--quiet")
+    assert answer == Answer(1, "", "")
+    for flag in ("--quiet", "--json"):
+        again = command("learn", "upswing", "--out", "run", "--max-trials", "1", flag)
+        again.refuses("run")
+        assert again.out == ""
+
+
+def test_sweep_in_json(command: Callable[..., Answer], tmp_path: Path) -> None:
+    told = json.loads(
+        command("sweep", study_file(tmp_path / "study.yaml"), "--out", "swept", "--json").out
+    )
+    table = read_table(tmp_path / "swept")
+    assert told["runs"] == len(table)
+    assert told["learned"] == int(table["learned_at"].notna().sum())
+    assert told["errors"] == 0
+
+
+# ---------------------------------------------------------------------------------- reproducing
+
+
+def test_reproduce_says_where_everything_is_and_does_it_once(
+    command: Callable[..., Answer], tmp_path: Path
+) -> None:
+    words = ("reproduce", "--out", "results", "--only", "upswing")
+    answer = command(*words)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.endswith(f"everything is on {Path('results', 'index.html')}\n")
+    told = json.loads(command(*words, "--json").out)
+    assert told["page"] == str(Path("results", "index.html"))
+    (experiment,) = told["experiments"]
+    assert experiment["unchanged"]
+    assert all((tmp_path / file).is_file() for file in experiment["files"])
+    assert {row["verdict"] for row in experiment["comparisons"]} <= {
+        "matches", "differs", "cannot be compared"
+    }  # fmt: skip
+    assert "(1 of 1 experiments were as before)" in command(*words).out
+
+
+@pytest.mark.parametrize(
+    ("more", "word"),
+    [
+        (("--only", "juggling"), "juggling"),
+        (("--size", "robot", "0"), "0"),
+        (("--size", "robot", "21"), "at most 20, got 21"),
+        (("--size", "serve", "2"), "at most 1, got 2"),
+        (("--only", "serve", "--size", "robot", "2"), "robot"),
+    ],
+)
+def test_sizes_that_make_no_sense(
+    command: Callable[..., Answer], tmp_path: Path, more: tuple[str, ...], word: str
+) -> None:
+    command("reproduce", "--out", "results", *more).refuses(word)
+    assert list(tmp_path.iterdir()) == []
 
 
 # --------------------------------------------------------------------------------- the upswing

@@ -80,7 +80,7 @@ def test_picture_and_tables_of_a_run(
         return found
 
     monkeypatch.setattr(components, "serve_components", measured)
-    said = study_components(run, tmp_path)
+    said = study_components(run, tmp_path).lines
     ((unlearned, first, thrown),) = asked
     np.testing.assert_array_equal(first.values, unlearned.values)
     met = next(r for r in read_trials(run) if r["d"] < 0.03)  # not before it is explored

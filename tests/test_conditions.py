@@ -17,6 +17,7 @@ from drake_viapoint.reproduction.conditions import (
     reproduce_conditions,
     study_conditions,
 )
+from drake_viapoint.reproduction.findings import Findings
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.memory_log import MemoryLog
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
@@ -29,7 +30,7 @@ from drake_viapoint.tasks.catalogue import build_task
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Bars]:
+def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Findings, Bars]:
     out, bars = tmp_path_factory.mktemp("conditions") / "results", Bars()
     return out, reproduce_conditions(out, 1, bars), bars
 
@@ -59,20 +60,21 @@ def test_both_shipped_studies_differ_in_their_explorations_alone() -> None:
     assert small.scenario["learning"]["position_perturbation"] == 0.01
 
 
-def test_everything_into_one_folder(results: tuple[Path, list[str], Bars]) -> None:
-    out, said, bars = results
+def test_everything_into_one_folder(results: tuple[Path, Findings, Bars]) -> None:
+    out, findings, bars = results
+    said = findings.lines
     assert {path.name for path in out.iterdir()} == {
         "figure10.png", "conditions.csv", "conditions_paired.csv", "three_conditions"
     }  # fmt: skip
     assert (out / "figure10.png").stat().st_size > 50_000
-    assert bars.seen == {"disturbing the ball": [3, 0, 1, 1, 1]}
+    assert bars.seen == {"disturbing the ball, 5 cm, 5°": [3, 0, 1, 1, 1]}
     assert [line.split(":")[0] for line in said[:3]] == list(TITLES)
     with (out / "conditions.csv").open() as file:
         assert [row["condition"] for row in csv.DictReader(file)] == list(TITLES)
 
 
 def test_a_run_of_the_sweep_is_the_run_that_learn_makes(
-    results: tuple[Path, list[str], Bars],
+    results: tuple[Path, Findings, Bars],
 ) -> None:
     table = read_table(results[0] / "three_conditions")
     for row in table.to_dict("records"):
@@ -88,7 +90,7 @@ def test_a_run_of_the_sweep_is_the_run_that_learn_makes(
 
 
 def test_repeats_of_an_undisturbed_serve_are_one_and_the_same(
-    results: tuple[Path, list[str], Bars],
+    results: tuple[Path, Findings, Bars],
 ) -> None:
     table = read_table(results[0] / "three_conditions").set_index("condition")
     landings = {name: np.stack(table.loc[name, "repeated_T_G"]) for name in TITLES}
@@ -97,12 +99,12 @@ def test_repeats_of_an_undisturbed_serve_are_one_and_the_same(
     assert np.all(np.ptp(landings["kept"], axis=0) > 0.02)
 
 
-def test_a_second_call_does_no_trial_again(results: tuple[Path, list[str], Bars]) -> None:
-    out, said, bars = results
+def test_a_second_call_does_no_trial_again(results: tuple[Path, Findings, Bars]) -> None:
+    out, findings, bars = results
     files = sorted((out / "three_conditions" / "runs").glob(f"*/{TRIALS}"))
     assert len(files) == 3
     stamps = [path.stat().st_mtime_ns for path in files]
-    assert reproduce_conditions(out, 1, bars) == said
+    assert reproduce_conditions(out, 1, bars) == findings
     assert [path.stat().st_mtime_ns for path in files] == stamps
 
 

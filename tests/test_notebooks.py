@@ -79,6 +79,7 @@ def test_kept_without_outputs(path: Path) -> None:
             assert cell.execution_count is None
 
 
+@pytest.mark.notebook
 def test_the_serve_is_learned(tmp_path: Path) -> None:
     (path,) = (path for path in NOTEBOOKS if path.name == "01_serve.ipynb")
     notebook = executed(
@@ -91,6 +92,7 @@ def test_the_serve_is_learned(tmp_path: Path) -> None:
     check_display(notebook, tmp_path, pictures=7)
 
 
+@pytest.mark.notebook
 def test_the_upswing_is_learned(tmp_path: Path) -> None:
     (path,) = (path for path in NOTEBOOKS if path.name == "02_upswing.ipynb")
     notebook = executed(
@@ -116,6 +118,7 @@ def test_the_upswing_is_learned(tmp_path: Path) -> None:
     check_display(notebook, tmp_path, pictures=10)
 
 
+@pytest.mark.notebook
 def test_a_study_is_swept_and_grows(tmp_path: Path) -> None:
     (path,) = (path for path in NOTEBOOKS if path.name == "03_studies.ipynb")
     notebook = executed(
@@ -154,6 +157,7 @@ def numbers(text: str) -> list[float]:
     return [float(number) for number in re.findall(r"-?\d+\.?\d*", text)]
 
 
+@pytest.mark.notebook
 def test_the_serve_is_learned_on_a_robot(tmp_path: Path) -> None:
     """In so few trials that only the throw gets better."""
     times, most = 4, 14  # trial 14 is the first after J_H has been explored

@@ -25,6 +25,7 @@ from drake_viapoint.reproduction import (
     figure7,
     persons,
 )
+from drake_viapoint.reproduction.findings import Verdict
 from drake_viapoint.reproduction.persons import PersonResult
 from drake_viapoint.reproduction.serve_reproduction import reproduce_serve
 from drake_viapoint.reproduction.shown_trials import shown_trials
@@ -236,15 +237,16 @@ def test_a_disk_is_no_person(tmp_path: Path) -> None:
 
 def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) -> None:
     out, bars = tmp_path / "results", Bars()
-    said = reproduce_serve(out, 1, bars)
+    findings = reproduce_serve(out, 1, bars)
     names = {path.name for path in out.iterdir()}
     pages = {name for name in names if name.endswith(".html")}
     assert names - pages == {
         *(f"figure{number}.png" for number in (2, 3, 4, 5, 9)),
         "serve_views.png", "serve_curve.png",
         *(f"components_{name}.csv" for name in ("throw", "strike_norm", "strike_ratio")),
-        "persons", "persons.csv", "persons.png", "serve",
+        "serve",
     }  # fmt: skip
+    assert set(findings.files) == names - {"serve"}
     assert len(pages) == 3
     assert "serve_trial01.html" in pages
     records = read_trials(out / "serve")
@@ -252,13 +254,31 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
     assert not records[0]["success"], "the first trial does not succeed"
     learned = next(r["trial"] for r in records if r["purpose"] == "repeat") - 1
     assert learned <= persons.MAX_TRIALS
-    assert said[0] == f"serve: learned at trial {learned}"
-    assert any("1 of 1 virtual persons" in line for line in said)
+    assert findings.lines[0] == f"serve: learned at trial {learned}"
     drawings = bars.seen["figures and recordings"]
     assert drawings[0] == len(drawings) - 1 == 9
-    assert bars.seen["learning from virtual persons"] == [1, 1]
 
-    lines_of = [out / "serve" / TRIALS, out / "persons" / "person00" / TRIALS]
-    stamps = [path.stat().st_mtime_ns for path in lines_of]
-    assert reproduce_serve(out, 0, bars) == said[:8]
-    assert [path.stat().st_mtime_ns for path in lines_of] == stamps
+    rows = {row.quantity: row for row in findings.comparisons}
+    assert rows["via-points, ends included"].verdict is Verdict.MATCHES
+    assert rows["markers of the demonstration"].verdict is Verdict.NOT_COMPARABLE
+    with (out / "components_strike_ratio.csv").open(newline="") as file:
+        chosen = [row["component"] for row in csv.DictReader(file) if row["chosen"] == "True"]
+    aims = rows["components that aim, by ratio"]
+    same = set(chosen) == {"phi6", "phi7", "psi7"}
+    assert aims.verdict is (Verdict.MATCHES if same else Verdict.DIFFERS)
+
+    stamp = (out / "serve" / TRIALS).stat().st_mtime_ns
+    assert reproduce_serve(out, 1, bars) == findings
+    assert (out / "serve" / TRIALS).stat().st_mtime_ns == stamp
+
+
+def test_persons_into_one_folder_and_a_second_call_does_no_trial_again(tmp_path: Path) -> None:
+    out, bars = tmp_path / "results", Bars()
+    findings = persons.reproduce_persons(out, 1, bars)
+    assert set(findings.files) == {"persons.csv", "persons.png"}
+    assert {path.name for path in out.iterdir()} == {*findings.files, "persons"}
+    assert "1 of 1 virtual persons" in findings.lines[0]
+    assert bars.seen["learning from virtual persons"] == [1, 1]
+    stamp = (out / "persons" / "person00" / TRIALS).stat().st_mtime_ns
+    assert persons.reproduce_persons(out, 1, bars) == findings
+    assert (out / "persons" / "person00" / TRIALS).stat().st_mtime_ns == stamp

@@ -82,8 +82,8 @@ def test_figures_table_and_recordings_of_a_sweep(run: Path, tmp_path: Path) -> N
     table = pd.DataFrame([row, {**row, "seed": 1, "error": "a run that raised", "folder": None}])
     table.attrs = {"study": {"max_trials": MOST}}
     bars = Bars()
-    said = study_robot(table, run.parent, tmp_path, bars)
-    assert said[0].startswith("robot: 0 of 1 runs")
+    findings = study_robot(table, run.parent, tmp_path, bars)
+    assert findings.lines[0].startswith("robot: 0 of 1 runs")
     for name in ("figure6.png", "figure7.png"):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     with (tmp_path / "robot.csv").open(newline="") as file:

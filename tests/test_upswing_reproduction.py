@@ -9,8 +9,10 @@ import pytest
 from progress_bars import Bars
 
 from drake_viapoint.reproduction import figure11, figure12, figure13
-from drake_viapoint.reproduction.reproduce import reproduce
+from drake_viapoint.reproduction.findings import Findings, Verdict
 from drake_viapoint.reproduction.style import save
+from drake_viapoint.reproduction.upswing_comparison import upswing_comparison
+from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
 from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.upswing import UpswingTask
@@ -19,18 +21,20 @@ from drake_viapoint.tasks.upswing_trial import UpswingTrial
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str], Bars]:
+def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Findings, Bars]:
     out, bars = tmp_path_factory.mktemp("upswing") / "results", Bars()
-    return out, reproduce(out, 0, 0, bars, "upswing"), bars
+    return out, reproduce_upswing(out, 1, bars), bars
 
 
-def test_everything_into_one_folder(results: tuple[Path, list[str], Bars]) -> None:
-    out, said, bars = results
+def test_everything_into_one_folder(results: tuple[Path, Findings, Bars]) -> None:
+    out, findings, bars = results
+    said = findings.lines
     assert {path.name for path in out.iterdir()} == {
         *(f"figure{number}.png" for number in range(11, 15)),
         *(f"upswing_trial{number:02d}.html" for number in (1, 15, 30)),
         *(f"upswing_{way}" for way in ("fixed", "manual", "recorded")),
     }
+    assert set(findings.files) == {path.name for path in out.iterdir() if path.is_file()}
     for path in out.glob("figure*.png"):
         assert path.stat().st_size > 20_000
     for label, counts in bars.seen.items():
@@ -42,11 +46,41 @@ def test_everything_into_one_folder(results: tuple[Path, list[str], Bars]) -> No
     assert f"estimated from the last trials: first succeeds at trial {first}, " in said[2]
 
 
-def test_a_second_call_does_no_trial_again(results: tuple[Path, list[str], Bars]) -> None:
-    out, said, bars = results
+def test_what_the_paper_says_stands_beside_it(results: tuple[Path, Findings, Bars]) -> None:
+    out, findings, _ = results
+    rows = {row.quantity: row for row in findings.comparisons}
+    assert rows["a2 = Δ g / l of the pendulum"].verdict is Verdict.MATCHES
+    assert rows["first trials, before anything is learned"].ours == "7"
+    kept, recorded = (read_trials(out / f"upswing_{way}") for way in ("fixed", "recorded"))
+    first = next(record["trial"] for record in kept if record["success"])
+    row = rows["Jacobian kept as first explored"]
+    assert f"first succeeds at trial {first}, holds at trial 60" in row.ours
+    soonest = next(record["trial"] for record in recorded if record["success"])
+    assert row.verdict is (Verdict.MATCHES if first > soonest else Verdict.DIFFERS)
+    assert recorded[29]["success"]
+    assert rows["Jacobian estimated from the last 12 trials"].verdict is Verdict.MATCHES
+
+
+def test_another_run_gets_another_verdict(results: tuple[Path, Findings, Bars]) -> None:
+    out, _, _ = results
+    runs = {way: read_trials(out / f"upswing_{way}") for way in ("fixed", "manual", "recorded")}
+    best = {**runs, "fixed": runs["recorded"], "recorded": runs["fixed"][:15]}
+    rows = {row.quantity: row for row in upswing_comparison(task_scenario("upswing"), best)}
+    assert rows["Jacobian kept as first explored"].verdict is Verdict.DIFFERS
+    assert rows["Jacobian estimated from the last 12 trials"].verdict is Verdict.DIFFERS
+    changes = {"pendulum.length": 0.5}
+    rows = {
+        row.quantity: row
+        for row in upswing_comparison(task_scenario("upswing", None, changes), runs)
+    }
+    assert rows["a2 = Δ g / l of the pendulum"].verdict is Verdict.DIFFERS
+
+
+def test_a_second_call_does_no_trial_again(results: tuple[Path, Findings, Bars]) -> None:
+    out, findings, bars = results
     lines = [out / f"upswing_{way}" / TRIALS for way in ("fixed", "manual", "recorded")]
     stamps = [path.stat().st_mtime_ns for path in lines]
-    assert reproduce(out, 0, 0, bars, "upswing") == said
+    assert reproduce_upswing(out, 1, bars) == findings
     assert [path.stat().st_mtime_ns for path in lines] == stamps
 
 

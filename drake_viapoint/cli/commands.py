@@ -72,7 +72,7 @@ def replay(run: Path, trial: int | None, html: Path, output: Output) -> None:
       drake-viapoint replay runs/first --trial 1 --html first.html
       drake-viapoint replay runs/first --html last.html
     """
-    output.say(f"executing a trial of {run} once more")
+    output.begin(f"executing a trial of {run} once more")
     with importing():
         from drake_viapoint.reproduction.recording import record_trial
 
@@ -116,7 +116,7 @@ def extract(
     """
     if marker is not None and body is not None:
         raise click.UsageError("give either --marker or --body")
-    output.say(f"reading {file}")
+    output.begin(f"reading {file}")
     with importing():
         from drake_viapoint.reproduction.marker_file import extract_from_file
 
@@ -158,7 +158,7 @@ def demonstrate(task: str, person: int, out: Path, output: Output) -> None:
       drake-viapoint demonstrate serve --person 3 --out person3.c3d
       drake-viapoint demonstrate upswing --person 3 --out person3.c3d
     """
-    output.say(f"virtual person {person} shows the {task}")
+    output.begin(f"virtual person {person} shows the {task}")
     with importing():
         from drake_viapoint.demonstration.c3d import write_c3d
         from drake_viapoint.tasks import catalogue

@@ -24,7 +24,7 @@ def doctor(ctx: click.Context, /, output: Output) -> None:
       drake-viapoint doctor
       drake-viapoint doctor --json
     """
-    output.say("looking at this installation")
+    output.begin("looking at this installation")
     with importing():
         from drake_viapoint.reproduction.installation import CHECKS
 

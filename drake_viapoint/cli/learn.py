@@ -156,7 +156,7 @@ def _learn(
     output: Output,
 ) -> int:
     """Learn with the changes that are not None; returns the exit code."""
-    output.say(f"learning the {task_name}; trials go to {out}")
+    output.begin(f"learning the {task_name}; trials go to {out}")
     with importing():
         from drake_viapoint.runs import task_run
         from drake_viapoint.tasks.catalogue import build_task, task_scenario

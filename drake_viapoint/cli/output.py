@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
@@ -28,6 +29,11 @@ class Output:
     def silent(self) -> bool:
         """Whether only a script listens."""
         return self.quiet or self.json
+
+    def begin(self, line: str) -> None:
+        """What is about to be done, for a person who waits: imports and scenes take a second."""
+        if sys.stdout.isatty():
+            self.say(line)
 
     def say(self, line: str) -> None:
         """Something on the way."""

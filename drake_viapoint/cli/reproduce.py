@@ -67,7 +67,7 @@ def reproduce(
       upswing           Figs. 11 to 14, recordings
       upswing-persons   the upswing from many virtual persons
     """
-    output.say(f"reproducing into {out}")
+    output.begin(f"reproducing into {out}")
     with importing():
         from drake_viapoint.reproduction.experiments import BY_NAME
         from drake_viapoint.reproduction.report import PAGE

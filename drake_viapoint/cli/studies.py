@@ -34,7 +34,7 @@ def components(run: Path, out: Path, position: float, angle: float, output: Outp
     """
     if not (position > 0 and angle > 0):
         raise click.UsageError("--position and --angle must be positive")
-    output.say(f"moving every component of {run}")
+    output.begin(f"moving every component of {run}")
     with importing():
         from drake_viapoint.reproduction.components import study_components
 
@@ -46,7 +46,7 @@ def components(run: Path, out: Path, position: float, angle: float, output: Outp
         "S_G": {"by_norm": found.by_norm.control, "by_ratio": found.by_ratio.control},
         "out": out,
     }
-    output.result(data, studied.lines)
+    output.result(data, [*studied.lines, studied.where])
 
 
 @click.command()
@@ -60,7 +60,7 @@ def choices(out: Path, persons: int, output: Output) -> None:
     Example:
       drake-viapoint choices --out results/choices --persons 20
     """
-    output.say(f"learning {persons} persons' serves into {out}")
+    output.begin(f"learning {persons} persons' serves into {out}")
     with importing():
         from drake_viapoint.reproduction.choices import RESULTS, choices_summary, study_choices
         from drake_viapoint.reproduction.table import write_table
@@ -89,7 +89,7 @@ def conditions(sweep: Path, out: Path, output: Output) -> None:
       drake-viapoint sweep models/studies/three_conditions.yaml --out results/three_conditions
       drake-viapoint conditions results/three_conditions --out results
     """
-    output.say(f"comparing the conditions of {sweep}")
+    output.begin(f"comparing the conditions of {sweep}")
     with importing():
         from drake_viapoint.reproduction.conditions import study_conditions
 
@@ -99,4 +99,4 @@ def conditions(sweep: Path, out: Path, output: Output) -> None:
         "pairs": [asdict(pair) for pair in studied.pairs],
         "out": out,
     }
-    output.result(data, studied.lines)
+    output.result(data, [*studied.lines, studied.where])

@@ -59,7 +59,7 @@ def sweep(
     """
     if scheduler is not None and workers is not None:
         raise click.UsageError("give either --workers or --scheduler")
-    output.say(f"the runs of {study} go to {out}")
+    output.begin(f"the runs of {study} go to {out}")
     with importing():
         from drake_viapoint.runs.study_file import read_study
         from drake_viapoint.runs.study_table import TABLE, condition_summaries, never_given

@@ -70,7 +70,8 @@ def reproduce_choices(out: Path, persons: int, progress: Progress) -> Findings:
         results = study_choices(out / RESULTS, persons, on_person=bar.update)
     table = write_table(results, out / "choices.csv")
     return Findings(
-        lines=(*choices_summary(results), f"table in {table}"),
+        lines=tuple(choices_summary(results)),
+        where=(f"table in {table}",),
         comparisons=choices_comparison(results),
         tables=(table.name,),
         seeds="0, of every run",

@@ -29,10 +29,11 @@ _THROW, _STRIKE = 6, 3  # components of the paper's S_H and S_G
 
 
 class ComponentsStudied(NamedTuple):
-    """What was found, and said of it."""
+    """What was found, said of it, and where it is."""
 
     found: ServeComponents
     lines: list[str]
+    where: str
 
 
 @dataclass(frozen=True)
@@ -161,6 +162,6 @@ def study_components(
         f"S_G by ratio: {' '.join(found.by_ratio.control)} (the paper: phi6 phi7 psi7)",
         f"gaps: {len(found.h.gaps)} in h, {len(found.g.gaps)} in g"
         + (f", the first: {next(iter(found.g.gaps.values()))}" if found.g.gaps else ""),
-        f"picture in {picture}, tables in {out}/components_*.csv",
     ]
-    return ComponentsStudied(found, lines)
+    where = f"picture in {picture}, tables in {out}/components_*.csv"
+    return ComponentsStudied(found, lines, where)

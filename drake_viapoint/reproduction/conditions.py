@@ -42,11 +42,12 @@ TITLES = {
 
 
 class ConditionsStudied(NamedTuple):
-    """What came of each condition, of each pair of them, and what is said of it."""
+    """What came of each condition, of each pair of them, what is said of it, and where."""
 
     results: list[ConditionResult]
     pairs: list[PairedResult]
     lines: list[str]
+    where: str
 
 
 def reproduce_conditions(out: Path, runs: int, progress: Progress) -> Findings:
@@ -73,9 +74,10 @@ def _reproduce(
 ) -> Findings:
     folder = out / f"three_conditions{suffix}"
     sweep_first(study, runs, folder, f"disturbing the ball, {explored}", progress)
-    results, pairs, lines = study_conditions(folder, out, suffix)
+    results, pairs, lines, where = study_conditions(folder, out, suffix)
     return Findings(
         lines=tuple(lines),
+        where=(where,),
         pictures=captioned(f"figure10{suffix}.png"),
         comparisons=conditions_comparison(results, pairs, explored),
         tables=(f"conditions{suffix}.csv", f"conditions_paired{suffix}.csv"),
@@ -115,8 +117,8 @@ def study_conditions(folder: Path, out: Path, suffix: str = "") -> ConditionsStu
     lines = [summary(result) for result in results] + [paired_summary(pair) for pair in pairs]
     if pairs:
         write_table(pairs, out / f"conditions_paired{suffix}.csv")
-    lines.append(f"picture in {picture}, tables in {out}/conditions*{suffix}.csv")
-    return ConditionsStudied(results, pairs, lines)
+    where = f"picture in {picture}, tables in {out}/conditions*{suffix}.csv"
+    return ConditionsStudied(results, pairs, lines, where)
 
 
 def _keys(table: pd.DataFrame) -> list[str]:

@@ -83,7 +83,7 @@ EXPERIMENTS = (
         serve_reproduction.reproduce_serve,
         _scenario("serve"),
         ("serve",),
-        seconds=(13.0, 0.0),
+        seconds=(9.0, 0.0),
     ),
     Experiment(
         "persons",
@@ -110,7 +110,7 @@ EXPERIMENTS = (
         "virtual persons",
         8,
         20,
-        (3.0, 4.0),
+        (2.0, 4.5),
     ),
     Experiment(
         "robot",
@@ -124,7 +124,7 @@ EXPERIMENTS = (
         "robots",
         6,
         20,
-        (8.0, 9.5),
+        (5.0, 9.0),
     ),
     Experiment(
         "conditions",
@@ -136,9 +136,9 @@ EXPERIMENTS = (
         lambda: study_identity(conditions.STUDY),
         ("three_conditions",),
         "runs under each condition",
-        20,
+        15,
         100,
-        (3.0, 3.0),
+        (3.0, 3.7),
     ),
     Experiment(
         "conditions-small",
@@ -149,9 +149,9 @@ EXPERIMENTS = (
         lambda: study_identity(conditions.SMALL_STUDY),
         ("three_conditions_small",),
         "runs under each condition",
-        20,
+        15,
         100,
-        (3.0, 3.0),
+        (3.0, 3.7),
     ),
     Experiment(
         "upswing",
@@ -162,7 +162,7 @@ EXPERIMENTS = (
         upswing_reproduction.reproduce_upswing,
         _scenario("upswing"),
         tuple(f"upswing_{way}" for way in WAYS),
-        seconds=(9.0, 0.0),
+        seconds=(6.0, 0.0),
     ),
     Experiment(
         "upswing-persons",
@@ -173,9 +173,9 @@ EXPERIMENTS = (
         upswing_study.study_identity,
         (upswing_reproduction.PERSONS,),
         "virtual persons",
-        40,
+        30,
         200,
-        (5.0, 1.2),
+        (3.0, 1.2),
     ),
 )
 """In the order of the page."""

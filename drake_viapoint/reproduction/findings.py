@@ -78,7 +78,8 @@ class Findings:
     """All that an experiment brought.
 
     Attributes:
-        lines: Said on the command line.
+        lines: What was found, in words.
+        where: Where it is, in words; of the command line, not of the page that lies beside it.
         pictures: In the order of the page.
         recordings: In the order of the page.
         comparisons: In the order of the paper.
@@ -87,6 +88,7 @@ class Findings:
     """
 
     lines: tuple[str, ...]
+    where: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = ()
     recordings: tuple[Recording, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
@@ -116,6 +118,7 @@ def findings_of(data: Mapping[str, Any]) -> Findings:
     """
     return Findings(
         lines=tuple(map(str, data["lines"])),
+        where=tuple(map(str, data["where"])),
         pictures=tuple(Picture(**part) for part in data["pictures"]),
         recordings=tuple(Recording(**part) for part in data["recordings"]),
         comparisons=tuple(

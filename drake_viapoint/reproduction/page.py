@@ -13,6 +13,10 @@ FRAME = 1 / 64
 """Time between two pictures [s]; Meshcat's own, and its multiples are exact."""
 
 
+_NO_ICON = '<link rel="icon" href="data:,">'  # or browsers ask the server for one
+_AGAIN = 10_000  # times that it plays: as long as somebody looks
+
+
 def new_page() -> Meshcat:
     """An empty page to draw on."""
     return Meshcat(MeshcatParams(host="localhost"))  # its server is not for others to see
@@ -44,6 +48,7 @@ def moving_page(
         pose(context, number)
         diagram.ForcedPublish(context)
     meshcat.StopRecording()
+    meshcat.get_mutable_recording().set_repetitions(_AGAIN)
     meshcat.PublishRecording()
     page: str = meshcat.StaticHtml()
-    return page
+    return page.replace("<head>", f"<head>{_NO_ICON}", 1)

@@ -64,7 +64,8 @@ def reproduce_persons(out: Path, number: int, progress: Progress) -> Findings:
     table = write_table(results, out / "persons.csv")
     picture = save(draw(results), out / "persons.png")
     return Findings(
-        lines=(summary(results), f"table in {table}, picture in {picture}"),
+        lines=(summary(results),),
+        where=(f"table in {table}, picture in {picture}",),
         pictures=captioned(picture.name),
         tables=(table.name,),
         seeds="0, of every run",

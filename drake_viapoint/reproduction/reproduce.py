@@ -136,7 +136,7 @@ def _carry_out(
     seconds = time.monotonic() - began
     entry = Entry(plan.depends, plan.size, source, now_in_words(), seconds, findings)
     ledger.write(name, entry)
-    for line in findings.lines:
+    for line in (*findings.lines, *findings.where):
         say(f"  {line}")
     return Reproduced(name, False, seconds, findings)
 

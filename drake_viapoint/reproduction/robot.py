@@ -90,8 +90,8 @@ def study_robot(table: pd.DataFrame, folder: Path, out: Path, progress: Progress
         bar.update(1)
         pages = _recordings(first, shown, out, bar)
     return Findings(
-        lines=(
-            *summary(runs, most),
+        lines=tuple(summary(runs, most)),
+        where=(
             f"pictures in {out}/figure6.png and {out}/figure7.png, table in {written}",
             "recordings in " + ", ".join(str(out / page.file) for page in pages),
         ),
@@ -113,5 +113,5 @@ def _recordings(
         if page.file not in {other.file for other in pages}:
             record_trial(run, numbers[-1], out / page.file)
             pages.append(page)
-        bar.update(1)
+            bar.update(1)
     return pages

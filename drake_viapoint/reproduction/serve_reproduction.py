@@ -70,11 +70,13 @@ def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
             if page.file not in pages:
                 record_trial(run, numbers[-1], out / page.file)
                 pages[page.file] = page
-            bar.update(1)
+                bar.update(1)
     lines = [
         f"serve: learned at trial {result.learned_at}"
         if result.learned_at
-        else f"serve: not learned within {result.trials} trials",
+        else f"serve: not learned within {result.trials} trials"
+    ]
+    where = [
         f"figures in {out}/figure2.png to figure5.png, serve_views.png and serve_curve.png",
         "recordings in " + ", ".join(str(out / name) for name in pages),
     ]
@@ -82,11 +84,15 @@ def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
     found: components.ServeComponents | None = None
     if components.first_meeting(records, scenario.learning.throw.reached):
         with progress("moving each component", components.trials_of(task)) as bar:
-            found, said = components.study_components(run, out, on_trial=lambda: bar.update(1))
+            found, said, there = components.study_components(
+                run, out, on_trial=lambda: bar.update(1)
+            )
         lines += said
+        where.append(there)
         pictures.append("figure9.png")
     return Findings(
         lines=tuple(lines),
+        where=tuple(where),
         pictures=captioned(*pictures),
         recordings=tuple(pages.values()),
         comparisons=serve_comparison(task.watched, result.learned_at, found),

@@ -26,9 +26,8 @@ def upswing_comparison(
     kept, manual, recorded = (records[way] for way in ("fixed", "manual", "recorded"))
     a2 = scenario.time_step * GRAVITY / scenario.pendulum.length
     first = recorded[0]
-    exploring = next(
-        (number for number, r in enumerate(recorded) if r["purpose"] == "learning"), len(recorded)
-    )
+    after = [r["trial"] for r in recorded[1:] if r["purpose"] != "exploration"]
+    exploring = after[0] - 1 if after else len(recorded)
     last = recorded[_LAST - 1] if len(recorded) >= _LAST else recorded[-1]
     return (
         Comparison(
@@ -46,7 +45,7 @@ def upswing_comparison(
             judged(not first["success"]),
         ),
         Comparison(
-            "first trials that only explore",
+            "first trials, before anything is learned",
             "3.3.2, Fig. 13",
             "7",
             str(exploring),

@@ -71,13 +71,12 @@ def reproduce_upswing(out: Path, _: int, progress: Progress) -> Findings:
             record_trial(runs["recorded"], number, out / page.file)
             bar.update(1)
     lines = [_first_success(way, lines) for way, lines in records.items()]
-    lines += [
-        _in_the_plant(task, records["recorded"][-1]),
-        f"figures in {out}/figure11.png to figure14.png",
-        "recordings in " + ", ".join(str(out / page.file) for page in pages),
-    ]
     return Findings(
-        lines=tuple(lines),
+        lines=(*lines, _in_the_plant(task, records["recorded"][-1])),
+        where=(
+            f"figures in {out}/figure11.png to figure14.png",
+            "recordings in " + ", ".join(str(out / page.file) for page in pages),
+        ),
         pictures=captioned(*sorted(f"{name}.png" for name in figures)),
         recordings=tuple(pages),
         comparisons=upswing_comparison(task.scenario, records),
@@ -104,9 +103,9 @@ def reproduce_upswing_persons(out: Path, persons: int, progress: Progress) -> Fi
     success = save(upswing_persons.draw_success(runs, results), out / "upswing_persons.png")
     drawn = upswing_persons.draw_curves(runs, learning.angle_tolerance, learning.speed_tolerance)
     curves = save(drawn, out / "upswing_curves.png")
-    said = f"table in {table}, pictures in {success} and {curves}"
     return Findings(
-        lines=(*map(summary, results), said),
+        lines=tuple(map(summary, results)),
+        where=(f"table in {table}, pictures in {success} and {curves}",),
         pictures=captioned(success.name, curves.name),
         comparisons=upswing_persons_comparison(results),
         tables=(table.name,),

@@ -1,6 +1,7 @@
 """How soon the command line answers: CPU of ``--help``, and the first output of every command.
 
-Against ``python -c "import numpy"``, measured in turn with it: ``.venv/bin/python benchmarks/start.py``.
+Against ``python -c "import numpy"``, measured in turn with it:
+``.venv/bin/python benchmarks/start.py``.
 """
 
 from __future__ import annotations
@@ -52,6 +53,7 @@ def first_output(words: Sequence[str], folder: Path, number: int) -> float:
         cwd=folder,
         stdout=subprocess.PIPE,
         stdin=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     assert process.stdout is not None
     process.stdout.read(1)

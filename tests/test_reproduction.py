@@ -23,6 +23,7 @@ from drake_viapoint.reproduction import (
     figure5,
     figure6,
     figure7,
+    figure8,
     persons,
 )
 from drake_viapoint.reproduction.findings import Verdict
@@ -113,10 +114,11 @@ def figures(
         "5": lambda: figure5.draw(serve_task),
         "6": lambda: figure6.draw(serve_task, {"first": [trial], "refused": []}),
         "7": lambda: figure7.draw(two_trials, 0.05, 0.125),
+        "8": lambda: figure8.draw(serve_task, trial),
     }
 
 
-@pytest.mark.parametrize("number", list("234567"))
+@pytest.mark.parametrize("number", list("2345678"))
 def test_figures_draw_without_a_warning(
     figures: dict[str, Callable[[], Figure]], number: str
 ) -> None:
@@ -241,7 +243,7 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
     names = {path.name for path in out.iterdir()}
     pages = {name for name in names if name.endswith(".html")}
     assert names - pages == {
-        *(f"figure{number}.png" for number in (2, 3, 4, 5, 9)),
+        *(f"figure{number}.png" for number in (2, 3, 4, 5, 8, 9)),
         "serve_views.png", "serve_curve.png",
         *(f"components_{name}.csv" for name in ("throw", "strike_norm", "strike_ratio")),
         "serve",
@@ -256,7 +258,7 @@ def test_everything_into_one_folder_and_a_second_call_resumes(tmp_path: Path) ->
     assert learned <= persons.MAX_TRIALS
     assert findings.lines[0] == f"serve: learned at trial {learned}"
     drawings = bars.seen["figures and recordings"]
-    assert drawings[0] == len(drawings) - 1 == 9
+    assert drawings[0] == len(drawings) - 1 == 10
 
     rows = {row.quantity: row for row in findings.comparisons}
     assert rows["via-points, ends included"].verdict is Verdict.MATCHES

@@ -58,7 +58,7 @@ def reproduce(
       drake-viapoint reproduce --out results --only robot --size robot 4
     \b
     Experiments:
-      serve             Figs. 2 to 5 and 9, recordings
+      serve             Figs. 2 to 5, 8 and 9, recordings
       persons           the serve from many virtual persons
       choices           components chosen by norm and by ratio (section 2.2.2)
       robot             Figs. 6 and 7, on a simulated robot (section 2.1)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
+from numpy.typing import NDArray
 
 from drake_viapoint.reproduction.style import BALL, OURS
 from drake_viapoint.tasks.serve import ServeTask
@@ -33,7 +34,7 @@ def draw(task: ServeTask, columns: Mapping[str, Sequence[ServeTrial]]) -> Figure
             ax = axes[row][column]
             for trial in trials:
                 _draw_trial(ax, task, trial, i, j)
-            _draw_goal(ax, task, i, j)
+            draw_goal(ax, task, i, j)
             ax.set_aspect("equal", adjustable="box")
             ax.set_xlabel(f"{across} [m]")
             ax.set_ylabel(f"{up} [m]")
@@ -55,13 +56,7 @@ def _draw_trial(ax: Axes, task: ServeTask, trial: ServeTrial, i: int, j: int) ->
         markersize=3,
         label="arm at $t_{HIT}$",
     )
-    racket = trial.racket([trial.hit_time])
-    turn = np.linspace(0, 2 * np.pi, 60)
-    robot = task.scenario.robot
-    rim = np.stack(
-        [robot.half_width * np.cos(turn), np.zeros(60), robot.half_length * np.sin(turn)], axis=1
-    )
-    face = racket.position[0] + rim @ racket.rotation[0].T
+    face = face_outline(task, trial, trial.hit_time)
     ax.plot(face[:, i], face[:, j], color=OURS, linewidth=1.5, label="racket at $t_{HIT}$")
     times = np.linspace(0.0, trial.end, 400)
     ball = trial.ball_path(times)
@@ -72,7 +67,20 @@ def _draw_trial(ax: Axes, task: ServeTask, trial: ServeTrial, i: int, j: int) ->
     ax.plot(at_hit[i], at_hit[j], "x", color="k", markersize=5, label="$T_H$")
 
 
-def _draw_goal(ax: Axes, task: ServeTask, i: int, j: int) -> None:
+def face_outline(task: ServeTask, trial: ServeTrial, time: float) -> NDArray[np.float64]:
+    """Points (n, 3) of the rim of the racket's face at a time of a trial [m]."""
+    racket = trial.racket([time])
+    turn = np.linspace(0, 2 * np.pi, 60)
+    robot = task.scenario.robot
+    rim = np.stack(
+        [robot.half_width * np.cos(turn), np.zeros(60), robot.half_length * np.sin(turn)], axis=1
+    )
+    outline: NDArray[np.float64] = racket.position[0] + rim @ racket.rotation[0].T
+    return outline
+
+
+def draw_goal(ax: Axes, task: ServeTask, i: int, j: int) -> None:
+    """Draw the goal's ring, projected onto two of the axes x, y and z."""
     ring = task.scene.ring
     width = 2 * task.scenario.learning.landing_tolerance
     height = width if (i, j) == (0, 1) else 0.02

@@ -1,4 +1,4 @@
-"""The serve from a run made here and now: our Figs. 2 to 5 and 9, its curve, three recordings.
+"""The serve from a run made here and now: our Figs. 2 to 5, 8 and 9, its curve.
 
 Executed by events, as in the paper's simulation; our Figs. 6 and 7 are the robot's.
 """
@@ -17,6 +17,7 @@ from drake_viapoint.reproduction import (
     figure5,
     figure6,
     figure7,
+    figure8,
     persons,
 )
 from drake_viapoint.reproduction.captions import captioned
@@ -31,10 +32,11 @@ from drake_viapoint.runs.run_folder import read_trials
 from drake_viapoint.runs.task_run import begin_or_resume
 from drake_viapoint.tasks.catalogue import task_scenario
 from drake_viapoint.tasks.serve import ServeTask
+from drake_viapoint.tasks.serve_trial import ServeTrial
 
 
 def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
-    """Run the serve, draw our Figs. 2 to 5, its curve and our Fig. 9, and record three trials.
+    """Run the serve, draw our Figs. 2 to 5, 8 and 9 and its curve, and record three trials.
 
     A run that the folder holds already is gone on with, not done again.
 
@@ -59,8 +61,8 @@ def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
         bar.update(persons.MAX_TRIALS)
     records = read_trials(run)
     shown = shown_trials(records)
-    with progress("figures and recordings", 6 + len(shown)) as bar:
-        figures = _figures(task, records, shown)
+    figures = _figures(task, records, shown)
+    with progress("figures and recordings", len(figures) + len(shown)) as bar:
         for name, figure in figures.items():
             save(figure, out / f"{name}.png")
             bar.update(1)
@@ -77,7 +79,7 @@ def reproduce_serve(out: Path, _: int, progress: Progress) -> Findings:
         else f"serve: not learned within {result.trials} trials"
     ]
     where = [
-        f"figures in {out}/figure2.png to figure5.png, serve_views.png and serve_curve.png",
+        f"figures in {out}/figure2.png to figure5.png, figure8.png and serve_*.png",
         "recordings in " + ", ".join(str(out / name) for name in pages),
     ]
     pictures = [f"{name}.png" for name in figures]
@@ -109,6 +111,7 @@ def _figures(
     note = f" ({SYNTHETIC})" if watched.synthetic else ""
     executed = executed_trials(task, records, shown)
     learning = task.scenario.learning
+    first = task.execute(task.via_points, records[0]["seed"])
     return {
         "figure2": figure2.draw(watched),
         "figure3": figure3.draw(times, watched.pose.values, watched.extraction, note=note),
@@ -121,6 +124,7 @@ def _figures(
             hit_time=watched.hit_time,
         ),
         "figure5": figure5.draw(task),
+        **({"figure8": figure8.draw(task, first)} if isinstance(first, ServeTrial) else {}),
         "serve_views": figure6.draw(task, executed),
         "serve_curve": figure7.draw(
             records, learning.meeting_tolerance, learning.landing_tolerance

@@ -53,8 +53,8 @@ PICTURES = {
             "figure8.png",
             "Our Fig. 8",
             "The simulated robot of the serve as it starts: the arm, the racket with the ball in "
-            "its cup, the via-points and the path of the racket's centre through them, the ball's path "
-            "in the first trial, and the goal.",
+            "its cup, the via-points and the path of the racket's centre through them, the ball's "
+            "path in the first trial, and the goal.",
             "The arm from the front and from the right, its racket, eight numbered via-points on a "
             "path, and the path of a ball that ends beyond the goal's ring.",
         ),

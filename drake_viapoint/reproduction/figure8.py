@@ -12,6 +12,9 @@ from drake_viapoint.tasks.serve import ServeTask
 from drake_viapoint.tasks.serve_trial import ServeTrial
 
 _VIEWS = (("from the front", "x", 0), ("from the right", "y", 1))
+_SHOWN = ((-0.25, 0.95), (-0.25, 3.35))  # [m] of x and y
+_HEIGHT = (0.3, 1.7)  # [m]
+_WIDTHS = [high - low for low, high in _SHOWN]
 
 
 def draw(task: ServeTask, first: ServeTrial) -> Figure:
@@ -21,8 +24,8 @@ def draw(task: ServeTask, first: ServeTrial) -> Figure:
         task: Whose arm and goal.
         first: Its first trial.
     """
-    figure = Figure(figsize=(10, 4.8), layout="constrained")
-    axes = figure.subplots(1, 2, sharey=True, width_ratios=[1, 2.1])  # one scale for both
+    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True, width_ratios=_WIDTHS)  # one scale for both
     joints = task.scene.arm.joint_positions(first.motion.q(0.0))
     face = face_outline(task, first, 0.0)
     ball = first.ball_path(np.linspace(0.0, first.end, 400))
@@ -42,6 +45,8 @@ def draw(task: ServeTask, first: ServeTrial) -> Figure:
         ax.plot(ball[:, i], ball[:, 2], color=BALL, lw=0.9, ls=":", label="its path, first trial")
         draw_goal(ax, task, i, 2)
         ax.set_aspect("equal", adjustable="box")
+        ax.set_xlim(*_SHOWN[i])
+        ax.set_ylim(*_HEIGHT)
         ax.set_title(title, fontsize=10)
         ax.set_xlabel(f"{name} [m]")
     axes[0].set_ylabel("z [m]")

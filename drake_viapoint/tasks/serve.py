@@ -10,7 +10,6 @@ from drake_viapoint.errors import (
     BallFallsOutError,
     BrokenOffError,
     ScenarioError,
-    UnreachableError,
 )
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain, TaperedGain
@@ -18,6 +17,7 @@ from drake_viapoint.learning.subtask import Subtask
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.robot.inverse_kinematics import InverseKinematics
 from drake_viapoint.robot.retargeting import JointMovement, Retargeting
+from drake_viapoint.tasks.arm_movement import ArmMovements
 from drake_viapoint.tasks.serve_contact import ContactExecution
 from drake_viapoint.tasks.serve_contact_scene import ContactScene
 from drake_viapoint.tasks.serve_demonstration import WatchedServe, recorded_serve, watch_serve
@@ -104,7 +104,7 @@ class ServeTask:
             if scenario.cameras.see == "samples"
             else None
         )
-        self._last: tuple[ViaPoints, JointMovement | RefusedTrial] | None = None
+        self._movement = ArmMovements(self.retargeting, _RESULTS)
 
     def execute(self, via_points: ViaPoints, seed: int) -> ServeTrial | RefusedTrial:
         """Execute one serve, and see it.
@@ -130,17 +130,6 @@ class ServeTask:
     def outcome(self, record: dict[str, Any]) -> Outcome:
         """What the learner is told of a recorded serve."""
         return serve_outcome(record)
-
-    def _movement(self, via_points: ViaPoints) -> JointMovement | RefusedTrial:
-        """The movement of the joints; the same for the same via-points, so not again in repeats."""
-        if self._last is None or self._last[0] != via_points:
-            movement: JointMovement | RefusedTrial
-            try:
-                movement = self.retargeting(via_points)
-            except UnreachableError as error:
-                movement = RefusedTrial(str(error), _RESULTS)
-            self._last = via_points, movement
-        return self._last[1]
 
 
 def serve_scene(scenario: ServeScenario, meshcat: Meshcat | None = None) -> ServeScene:

@@ -25,7 +25,7 @@ from drake_viapoint.cli.commands import cli
 from drake_viapoint.errors import RunFolderError
 from drake_viapoint.motion.via_points import ViaPoints
 from drake_viapoint.reproduction import upswing_page
-from drake_viapoint.reproduction.page import FRAME, frame_times, moving_page
+from drake_viapoint.reproduction.page import FRAME, frame_times, play
 from drake_viapoint.reproduction.recording import PAGES, record_trial
 from drake_viapoint.runs.learning_run import learn
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
@@ -210,7 +210,7 @@ def seen(
         diagram: Diagram,
         times: NDArray[np.float64],
         pose: Callable[[Context, int], None],
-    ) -> str:
+    ) -> float:
         plant = diagram.GetSubsystemByName("plant")
         pendulum = plant.GetBodyByName("pendulum").body_frame()
         context = diagram.CreateDefaultContext()
@@ -226,12 +226,13 @@ def seen(
             place = pendulum.CalcPoseInWorld(own)
             axle = plant.GetFrameByName("axle").CalcPoseInWorld(own).translation()
             pictures.append((time, axle, place.translation() + shift, place @ tip + shift))
-        return moving_page(meshcat, diagram, times, pose)
+        return play(meshcat, diagram, times, pose)
 
-    monkeypatch.setattr(upswing_page, "new_page", lambda: Watched(MeshcatParams(host="localhost")))
-    monkeypatch.setattr(upswing_page, "moving_page", looked_at)
-    page = upswing_page.upswing_page(task.scenario, trial, via_points)
-    return Seen(page, *map(np.array, zip(*pictures, strict=True)))
+    monkeypatch.setattr(upswing_page, "play", looked_at)
+    meshcat = Watched(MeshcatParams(host="localhost"))
+    duration = upswing_page.draw_upswing(meshcat, task.scenario, trial, via_points)
+    assert duration == pictures[-1][0]
+    return Seen(meshcat.StaticHtml(), *map(np.array, zip(*pictures, strict=True)))
 
 
 @pytest.mark.parametrize(

@@ -27,21 +27,33 @@ def frame_times(duration: float) -> NDArray[np.float64]:
     return FRAME * np.arange(int(np.ceil(duration / FRAME)) + 1, dtype=np.float64)
 
 
-def moving_page(
+def page_of(draw: Callable[[Meshcat], object]) -> str:
+    """What is drawn on an empty page, as one HTML page."""
+    meshcat = new_page()
+    draw(meshcat)
+    page: str = meshcat.StaticHtml()
+    return page.replace("<head>", f"<head>{_NO_ICON}", 1)
+
+
+def play(
     meshcat: Meshcat,
     diagram: Diagram,
     times: NDArray[np.float64],
     pose: Callable[[Context, int], None],
-) -> str:
-    """The page, with a diagram that moves at true speed.
+) -> float:
+    """Let a diagram move on a page, at true speed; in place of whatever moved there before.
 
     Args:
         meshcat: What is drawn so far; the diagram shows itself there.
         diagram: Whose bodies move.
         times: (n,) of the pictures, from 0 on, multiples of ``FRAME`` [s].
         pose: Puts the bodies, in the diagram's context, to where they are in a picture.
+
+    Returns:
+        How long it moves [s].
     """
     context = diagram.CreateDefaultContext()
+    meshcat.DeleteRecording()
     meshcat.StartRecording(1 / FRAME, set_visualizations_while_recording=False)
     for number, time in enumerate(times):
         context.SetTime(time)
@@ -50,5 +62,4 @@ def moving_page(
     meshcat.StopRecording()
     meshcat.get_mutable_recording().set_repetitions(_AGAIN)
     meshcat.PublishRecording()
-    page: str = meshcat.StaticHtml()
-    return page.replace("<head>", f"<head>{_NO_ICON}", 1)
+    return float(times[-1])

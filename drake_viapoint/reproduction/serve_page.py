@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.geometry import Meshcat, Rgba, Sphere
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.geometry import Meshcat, Rgba
 from pydrake.systems.framework import Context
 
 from drake_viapoint.motion.minimum_jerk import minimum_jerk
-from drake_viapoint.motion.orientation import rotation_from_zyz
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.reproduction.page import frame_times, moving_page, new_page
+from drake_viapoint.reproduction.page import frame_times, page_of, play
+from drake_viapoint.reproduction.via_point_marks import draw_via_points
 from drake_viapoint.tasks.serve import serve_scene
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_trial import ServeTrial
@@ -19,19 +17,27 @@ from drake_viapoint.tasks.serve_trial import ServeTrial
 _AFTERWARDS = 0.3  # [s] that the end is looked at
 _BALL = Rgba(0.75, 0.9, 0.1, 1.0)
 _PATH = Rgba(0.2, 0.4, 0.9, 1.0)
-_AXES = (Rgba(0.85, 0.15, 0.1, 1.0), Rgba(0.1, 0.65, 0.2, 1.0), Rgba(0.1, 0.3, 0.85, 1.0))
-_AXIS = 0.06  # [m] length of a via-point's axes
 
 
 def serve_page(scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints) -> str:
-    """A serve as an HTML page: arm and ball at true speed, ball path and via-points drawn.
+    """A serve as an HTML page; see ``draw_serve``."""
+    return page_of(lambda meshcat: draw_serve(meshcat, scenario, trial, via_points))
+
+
+def draw_serve(
+    meshcat: Meshcat, scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints
+) -> float:
+    """Show a serve: arm and ball at true speed, ball path and via-points drawn.
 
     Args:
+        meshcat: Where to draw.
         scenario: Of the trial.
         trial: What to show.
         via_points: What the trial was asked to do.
+
+    Returns:
+        How long it takes [s].
     """
-    meshcat = new_page()
     scene = serve_scene(scenario, meshcat)
     meshcat.SetCameraPose([2.3, -0.5, 1.6], [0.3, 1.1, 0.8])
     _draw_paths(meshcat, trial, via_points)
@@ -44,7 +50,7 @@ def serve_page(scenario: ServeScenario, trial: ServeTrial, via_points: ViaPoints
         scene.plant.SetPositions(own, scene.instance, angles[picture])
         scene.place_ball(own, balls[picture])
 
-    return moving_page(meshcat, scene.diagram, times, pose)
+    return play(meshcat, scene.diagram, times, pose)
 
 
 def _draw_paths(meshcat: Meshcat, trial: ServeTrial, via_points: ViaPoints) -> None:
@@ -54,14 +60,4 @@ def _draw_paths(meshcat: Meshcat, trial: ServeTrial, via_points: ViaPoints) -> N
         np.linspace(via_points.times[0], via_points.times[-1], 300)
     )
     meshcat.SetLine("paths/racket", path[:, :3].T, 2.0, _PATH)
-    for number, pose in enumerate(via_points.values, start=1):
-        _draw_via_point(meshcat, f"via_points/{number}", pose)
-
-
-def _draw_via_point(meshcat: Meshcat, name: str, pose: NDArray[np.float64]) -> None:
-    rotation = rotation_from_zyz(pose[3:])
-    meshcat.SetObject(name, Sphere(0.012), _PATH)
-    meshcat.SetTransform(name, RigidTransform(RotationMatrix(rotation), pose[:3]))
-    for axis, colour in enumerate(_AXES):
-        ends = np.array([np.zeros(3), _AXIS * np.eye(3)[axis]]).T
-        meshcat.SetLine(f"{name}/axis{axis}", ends, 2.0, colour)
+    draw_via_points(meshcat, via_points)

@@ -11,7 +11,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.reproduction.page import frame_times, moving_page, new_page
+from drake_viapoint.reproduction.page import frame_times, page_of, play
 from drake_viapoint.tasks.pendulum import PendulumMotion
 from drake_viapoint.tasks.upswing_line import HandLine
 from drake_viapoint.tasks.upswing_pendulum import PENDULUM
@@ -41,20 +41,30 @@ class UpswingFrames(NamedTuple):
 
 
 def upswing_page(scenario: UpswingScenario, trial: UpswingTrial, via_points: ViaPoints) -> str:
-    """An upswing as an HTML page: arm and pendulum at true speed, the tip's path, via-points, goal.
+    """An upswing as an HTML page; see ``draw_upswing``."""
+    return page_of(lambda meshcat: draw_upswing(meshcat, scenario, trial, via_points))
+
+
+def draw_upswing(
+    meshcat: Meshcat, scenario: UpswingScenario, trial: UpswingTrial, via_points: ViaPoints
+) -> float:
+    """Show an upswing: arm and pendulum at true speed, the tip's path, via-points, goal.
 
     The recurrence knows no arm: where its hand leaves the arm's reach, the arm stays at the nearest
     place that it reaches and the pendulum goes on without it.
 
     Args:
+        meshcat: Where to draw.
         scenario: Of the trial.
         trial: What to show.
         via_points: What the trial was asked to do.
 
+    Returns:
+        How long it takes [s].
+
     Raises:
         ScenarioError: The scenario's line is out of the arm's reach.
     """
-    meshcat = new_page()
     scene = UpswingScene(scenario, meshcat)
     start = scene.line.places(np.zeros(1))[0]
     meshcat.SetCameraPose(start + [_ASIDE, _BACK, _UP], start)
@@ -71,7 +81,7 @@ def upswing_page(scenario: UpswingScenario, trial: UpswingTrial, via_points: Via
             shift = RigidTransform(np.array([frames.beyond[picture], 0.0, 0.0]))
             meshcat.SetTransform(f"visualizer/{PENDULUM}", shift, frames.times[picture])
 
-    return moving_page(meshcat, scene.diagram, frames.times, pose)
+    return play(meshcat, scene.diagram, frames.times, pose)
 
 
 def upswing_frames(line: HandLine, trial: UpswingTrial) -> UpswingFrames:

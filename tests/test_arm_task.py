@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from touching import AHEAD, MOMENT, NOISE, ROBOT, TIMES, WITH_POINTER, Touch, reach, touch
+from touching import AHEAD, MOMENT, NOISE, ROBOT, SOFT, TIMES, WITH_POINTER, Touch, reach, touch
 
 from drake_viapoint.errors import (
     ExtractionError,
@@ -284,7 +284,8 @@ def test_what_stands_around_changes_nothing(task: Touch, tmp_path: Path) -> None
         "- add_model:\n    name: goal\n    file: package://drake_viapoint/goal/goal.urdf\n"
         "- add_weld:\n    parent: world\n    child: goal::ring\n"
     )
-    scene = ArmScene(WITH_POINTER, "tip", surroundings=str(around), unknown=ROBOT)
+    given = {"unknown": ROBOT, "natural_frequency": SOFT}
+    scene = ArmScene(WITH_POINTER, "tip", surroundings=str(around), **given)
     trial = Touch(scene).execute(task.via_points, 0)
     assert isinstance(trial, ArmTrial)
     assert_allclose(trial.results["T"].realized, task.execute(task.via_points, 0).results["T"][0])

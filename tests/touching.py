@@ -11,7 +11,8 @@ from drake_viapoint.tasks.arm_trial import Result
 from drake_viapoint.tasks.arm_unknown import UnknownArm
 
 WITH_POINTER = "package://drake_viapoint/six_joint_arm_with_pointer.dmd.yaml"
-ROBOT = UnknownArm(inertia=0.1, viscous_friction=0.01, shift=0.01, turn=0.02)
+ROBOT = UnknownArm(inertia=0.2, viscous_friction=0.02, shift=0.006)
+SOFT = 10.0  # [rad/s] natural frequency of a controller that gives way
 MOMENT = 0.8  # [s]
 TIMES = np.linspace(0.0, 1.6, 201)  # [s]
 AHEAD = np.array([0.12, 0.22, 0.10])  # [m] from where the tip rests
@@ -48,4 +49,5 @@ class Touch(ArmTask):
 
 
 def touch(seed: int = 0, unknown: UnknownArm = ROBOT, **given: object) -> Touch:
-    return Touch(ArmScene(WITH_POINTER, "tip", unknown=unknown, seed=seed), **given)
+    scene = ArmScene(WITH_POINTER, "tip", unknown=unknown, seed=seed, natural_frequency=SOFT)
+    return Touch(scene, **given)

@@ -15,7 +15,7 @@ from drake_viapoint.tasks.arm_task import ArmTask
 from drake_viapoint.tasks.arm_trial import ArmTrial
 
 _AFTERWARDS = 0.3  # [s] that the end is looked at
-_CAMERA = np.array([1.1, 0.45, 0.4])  # [m] from the middle of the path
+_CAMERA = np.array([0.8, 0.25, 0.3])  # [m] from the middle of the path
 _ASKED = Rgba(0.2, 0.4, 0.9, 1.0)
 _DONE = Rgba(0.8, 0.16, 0.14, 1.0)
 _MARK = Rgba(0.1, 0.65, 0.2, 0.6)

@@ -134,16 +134,22 @@ def test_live_it_is_meshcats_own_page() -> None:
 
 
 def test_live_one_trial_takes_the_place_of_the_other() -> None:
-    stage = Stage(draw, "trial", live=True)
+    task = touch()
+    stage = Stage(draw_arm_task, task, live=True)
     meshcat = stage._meshcat
     assert meshcat is not None
-    stage.show("1", POINTS)
-    assert meshcat.HasPath("marks/trial1")
-    stage.show("2", POINTS)
+    shown = []
+    for change in (0.0, 0.05):
+        moved = task.via_points.moved(["z3"], [change])
+        stage.show(task.execute(moved, 0), moved)
+        shown.append(contents(f'<iframe srcdoc="{html.escape(meshcat.StaticHtml())}"'))
     stage.show(REFUSED, POINTS)
-    assert meshcat.HasPath("marks/trial2")
-    assert not meshcat.HasPath("marks/trial1")
     assert stage._meshcat is meshcat, "the page that is open stays"
+    for page in shown:
+        assert page.count(b"set_animation") == 1
+        assert page.count(b"paths/done") == shown[0].count(b"paths/done")
+    assert shown[0] != shown[1]
+    assert abs(len(shown[0]) - len(shown[1])) < 0.01 * len(shown[0]), "nothing piles up"
 
 
 def test_live_it_waits_only_for_who_looks(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +160,6 @@ def test_live_it_waits_only_for_who_looks(monkeypatch: pytest.MonkeyPatch) -> No
     assert slept == [], "nobody has the page open"
 
     class Watched:
-        def Delete(self, _: str) -> None: ...
         def SetObject(self, *_: object) -> None: ...
         def GetNumActiveConnections(self) -> int:
             return 1
@@ -164,6 +169,22 @@ def test_live_it_waits_only_for_who_looks(monkeypatch: pytest.MonkeyPatch) -> No
     assert slept == []
     stage.show("1", POINTS, wait=True)
     assert slept == [0.25]
+
+
+def test_live_the_view_stays_as_somebody_has_turned_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[Any] = []
+
+    class Watched(Meshcat):
+        def SetCameraPose(self, camera: Any, target: Any) -> None:
+            looked.append((camera, target))
+
+    monkeypatch.setattr(staged, "new_page", lambda: Watched())
+    task = touch()
+    trial = task.execute(task.via_points, 0)
+    stage = Stage(draw_arm_task, task, live=True)
+    for _ in range(3):
+        stage.show(trial, task.via_points)
+    assert len(looked) == 1
 
 
 def test_live_a_serve_after_the_other(serve_task: Any) -> None:

@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context
 
 from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.reproduction.page import frame_times, play
+from drake_viapoint.reproduction.page import frame_times, look, play
 from drake_viapoint.reproduction.via_point_marks import draw_via_points
 from drake_viapoint.tasks.arm_task import ArmTask
 from drake_viapoint.tasks.arm_trial import ArmTrial
@@ -39,6 +39,8 @@ def draw_arm_task(meshcat: Meshcat, task: ArmTask, trial: ArmTrial, via_points: 
     asked = minimum_jerk(via_points.times, via_points.values)(
         np.linspace(via_points.times[0], via_points.times[-1], 300)
     )[:, :3]
+    middle = (asked.min(axis=0) + asked.max(axis=0)) / 2
+    look(meshcat, middle + _CAMERA, middle)
     done = trial.tool.path(np.linspace(trial.motion.start, trial.motion.end, 300))
     meshcat.SetLine("paths/asked", asked.T, 2.0, _ASKED)
     meshcat.SetLine("paths/done", done.T, 3.0, _DONE)
@@ -46,8 +48,6 @@ def draw_arm_task(meshcat: Meshcat, task: ArmTask, trial: ArmTrial, via_points: 
     for name, place in task.marks.items():
         meshcat.SetObject(f"marks/{name}", Sphere(0.012), _MARK)
         meshcat.SetTransform(f"marks/{name}", RigidTransform(np.asarray(place, dtype=float)))
-    middle = (asked.min(axis=0) + asked.max(axis=0)) / 2
-    meshcat.SetCameraPose(middle + _CAMERA, middle)
     times = frame_times(trial.motion.end + _AFTERWARDS)
     angles = trial.motion.q(np.minimum(times, trial.motion.end))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydrake.geometry import Meshcat, MeshcatParams
 from pydrake.systems.framework import Context, Diagram
 
@@ -33,6 +33,12 @@ def page_of(draw: Callable[[Meshcat], object]) -> str:
     draw(meshcat)
     page: str = meshcat.StaticHtml()
     return page.replace("<head>", f"<head>{_NO_ICON}", 1)
+
+
+def look(meshcat: Meshcat, camera: ArrayLike, target: ArrayLike) -> None:
+    """Look from a place (3,) [m] at another; a page with paths stays as somebody has turned it."""
+    if not meshcat.HasPath("paths"):
+        meshcat.SetCameraPose(camera, target)
 
 
 def play(

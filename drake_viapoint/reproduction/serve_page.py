@@ -8,7 +8,7 @@ from pydrake.systems.framework import Context
 
 from drake_viapoint.motion.minimum_jerk import minimum_jerk
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.reproduction.page import frame_times, page_of, play
+from drake_viapoint.reproduction.page import frame_times, look, page_of, play
 from drake_viapoint.reproduction.via_point_marks import draw_via_points
 from drake_viapoint.tasks.serve import serve_scene
 from drake_viapoint.tasks.serve_scenario import ServeScenario
@@ -39,7 +39,7 @@ def draw_serve(
         How long it takes [s].
     """
     scene = serve_scene(scenario, meshcat)
-    meshcat.SetCameraPose([2.3, -0.5, 1.6], [0.3, 1.1, 0.8])
+    look(meshcat, [2.3, -0.5, 1.6], [0.3, 1.1, 0.8])
     _draw_paths(meshcat, trial, via_points)
     times = frame_times(trial.end + _AFTERWARDS)
     angles = trial.motion.q(np.minimum(times, trial.motion.end))

@@ -33,7 +33,6 @@ _ELSEWHERE = (
 )
 """Set where the browser is on another machine, and does not reach Meshcat's port, or where none
 is."""
-_DRAWN = ("visualizer", "paths", "via_points", "goal", "marks")
 
 
 def somebody_looks_on(environment: Mapping[str, str] = os.environ) -> bool:
@@ -50,7 +49,9 @@ class Stage:
     """Where the trials of a task are shown; displayed by the notebook whose cell it ends.
 
     Args:
-        draw: Draws a trial on a page and says how long it plays [s], such as ``draw_serve``.
+        draw: Draws a trial on a page and says how long it plays [s], such as ``draw_serve``; under
+            the same names each time, so that one trial takes the place of the other without the
+            page going blank between them.
         of: What else it needs: the task's scenario, or the task.
         live: Whether to show them live; None to find out.
         height: Of the page [pixels].
@@ -88,8 +89,6 @@ class Stage:
             return self
         self._last = trial, via_points
         if self._meshcat is not None:
-            for name in _DRAWN:
-                self._meshcat.Delete(name)
             duration = self._draw(self._meshcat, self._of, trial, via_points)
             gc.collect()  # see _repr_html_
             if wait and self._meshcat.GetNumActiveConnections():

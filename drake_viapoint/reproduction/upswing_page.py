@@ -11,7 +11,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from drake_viapoint.motion.via_points import ViaPoints
-from drake_viapoint.reproduction.page import frame_times, page_of, play
+from drake_viapoint.reproduction.page import frame_times, look, page_of, play
 from drake_viapoint.tasks.pendulum import PendulumMotion
 from drake_viapoint.tasks.upswing_line import HandLine
 from drake_viapoint.tasks.upswing_pendulum import PENDULUM
@@ -67,7 +67,7 @@ def draw_upswing(
     """
     scene = UpswingScene(scenario, meshcat)
     start = scene.line.places(np.zeros(1))[0]
-    meshcat.SetCameraPose(start + [_ASIDE, _BACK, _UP], start)
+    look(meshcat, start + [_ASIDE, _BACK, _UP], start)
     _draw_paths(meshcat, scenario, scene.line, trial.motion, via_points)
     _draw_goal(meshcat, scenario, scene.line, trial, via_points)
     frames = upswing_frames(scene.line, trial)

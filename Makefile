@@ -1,7 +1,7 @@
 # `make reproduce` runs the paper's experiments (`make reproduce FULL=1` at full size), `make test`
-# checks the code, `make notebooks` executes the notebooks. Each sets itself up in a virtual
-# environment first: .venv, or .venv-X.Y when PYTHON names another interpreter, as in
-# `PYTHON=python3.13 make test`. A set-up cut short is thrown away and done again.
+# checks the code, `make notebooks` executes the notebooks, `make docs` builds the manual into site/.
+# Each sets itself up in a virtual environment first: .venv, or .venv-X.Y when PYTHON names another
+# interpreter, as in `PYTHON=python3.13 make test`. A set-up cut short is thrown away and done again.
 
 PYTHON ?= python3
 OUT ?= results
@@ -16,10 +16,11 @@ VENV := .venv$(if $(filter python3 python,$(PYTHON)),,-$(version))
 bin := $(VENV)/bin
 # Named by version, so that an environment of another one is replaced.
 ready := $(VENV)/.ready-$(version)
+docs_ready := $(VENV)/.docs-$(version)
 
 unexport PYTHONPATH PYTHONHOME VIRTUAL_ENV
 
-.PHONY: reproduce test notebooks setup clean
+.PHONY: reproduce test notebooks docs setup clean
 .DELETE_ON_ERROR:
 
 reproduce: $(ready)
@@ -33,6 +34,9 @@ test: $(ready)
 
 notebooks: $(ready)
 	$(bin)/python -m pytest -q -m notebook --numprocesses auto tests/test_notebooks.py
+
+docs: $(docs_ready)
+	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict
 
 setup: $(ready)
 
@@ -50,5 +54,12 @@ $(ready): pyproject.toml constraints.txt
 	    --constraint constraints.txt --editable '.[dev]'
 	@touch $@
 
+# In the same environment, and only for who builds the manual.
+$(docs_ready): $(ready)
+	@echo "Adding what the manual needs"
+	@$(bin)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation \
+	    --constraint constraints.txt --editable '.[docs]'
+	@touch $@
+
 clean:
-	rm -rf .venv .venv-* build dist $(OUT)
+	rm -rf .venv .venv-* build dist site $(OUT)

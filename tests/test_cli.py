@@ -663,9 +663,9 @@ COMMANDS += [["conditions"], ["doctor"], ["completion"]]
 def test_help_shows_examples(command: Callable[..., Answer], words: list[str]) -> None:
     answer = command(*words, "--help")
     assert answer.code == 0
-    assert "Example" in answer.out
-    examples = answer.out.split("Example")[1].splitlines()
-    assert any(line.startswith(f"    drake-viapoint {' '.join(words)} ") for line in examples)
+    assert "For example:" in answer.out
+    examples = answer.out.split("For example:")[1].splitlines()
+    assert any(line.startswith(f"      drake-viapoint {' '.join(words)} ") for line in examples)
 
 
 def test_every_command_is_tested_for_its_help() -> None:

@@ -35,11 +35,12 @@ def main() -> None:
 def cli(ctx: click.Context) -> None:
     """Teach a robot a dynamic skill from one demonstration and a few tens of trials.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint learn serve --out runs/first
-      drake-viapoint reproduce --out results
-      drake-viapoint doctor
+        drake-viapoint learn serve --out runs/first
+        drake-viapoint reproduce --out results
+        drake-viapoint doctor
     """
     if ctx.invoked_subcommand is None:
         for line in next_steps(Path.cwd()):
@@ -67,10 +68,11 @@ for _command in (
 def replay(run: Path, trial: int | None, html: Path, output: Output) -> None:
     """Write a Meshcat recording of a run's trial, to be opened in a browser.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint replay runs/first --trial 1 --html first.html
-      drake-viapoint replay runs/first --html last.html
+        drake-viapoint replay runs/first --trial 1 --html first.html
+        drake-viapoint replay runs/first --html last.html
     """
     output.begin(f"executing a trial of {run} once more")
     with importing():
@@ -108,11 +110,12 @@ def extract(
 ) -> None:
     """Print and plot the via-points of a marker file (C3D, TRC or CSV).
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint extract my_serve.c3d
-      drake-viapoint extract reach.trc --marker fingertip --threshold 0.005
-      drake-viapoint extract serve.c3d --body RWRA RWRB RFIN --start 1.2 --end 2.4 --number 8
+        drake-viapoint extract my_serve.c3d
+        drake-viapoint extract reach.trc --marker fingertip --threshold 0.005
+        drake-viapoint extract serve.c3d --body RWRA RWRB RFIN --start 1.2 --end 2.4 --number 8
     """
     if marker is not None and body is not None:
         raise click.UsageError("give either --marker or --body")
@@ -153,10 +156,11 @@ def extract(
 def demonstrate(task: str, person: int, out: Path, output: Output) -> None:
     """Write the synthetic demonstration of a virtual person as a C3D file.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint demonstrate serve --person 3 --out person3.c3d
-      drake-viapoint demonstrate upswing --person 3 --out person3.c3d
+        drake-viapoint demonstrate serve --person 3 --out person3.c3d
+        drake-viapoint demonstrate upswing --person 3 --out person3.c3d
     """
     output.begin(f"virtual person {person} shows the {task}")
     with importing():
@@ -174,11 +178,12 @@ def demonstrate(task: str, person: int, out: Path, output: Output) -> None:
 def scenario(task: str, robot: bool) -> None:
     """Print a task's scenario with every value, to be edited and given with --scenario.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint scenario serve > my_serve.yaml
-      drake-viapoint scenario serve --robot > my_robot.yaml
-      drake-viapoint scenario upswing > my_upswing.yaml
+        drake-viapoint scenario serve > my_serve.yaml
+        drake-viapoint scenario serve --robot > my_robot.yaml
+        drake-viapoint scenario upswing > my_upswing.yaml
     """
     if robot and task != "serve":
         raise click.UsageError(f"--robot is of the serve, not of the {task}")

@@ -15,11 +15,12 @@ _VARIABLE = "_DRAKE_VIAPOINT_COMPLETE"
 def completion(ctx: click.Context, shell: str) -> None:
     """Print what makes a shell complete commands, options and files.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint completion bash >> ~/.bashrc
-      drake-viapoint completion zsh >> ~/.zshrc
-      drake-viapoint completion fish > ~/.config/fish/completions/drake-viapoint.fish
+        drake-viapoint completion bash >> ~/.bashrc
+        drake-viapoint completion zsh >> ~/.zshrc
+        drake-viapoint completion fish > ~/.config/fish/completions/drake-viapoint.fish
     """
     kind = get_completion_class(shell)
     if kind is None:

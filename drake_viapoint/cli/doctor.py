@@ -19,10 +19,11 @@ def doctor(ctx: click.Context, /, output: Output) -> None:
     Exits with 0 if everything that is needed is there, 1 if not. Chromium and Graphviz are only
     needed by tests and notebooks; without them it says so and exits with 0.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint doctor
-      drake-viapoint doctor --json
+        drake-viapoint doctor
+        drake-viapoint doctor --json
     """
     output.begin("looking at this installation")
     with importing():

@@ -76,13 +76,14 @@ def learn_serve(ctx: click.Context, /, t_hit: float | None, robot: bool, **optio
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint learn serve --out runs/first
-      drake-viapoint learn serve --out runs/robot --robot --max-trials 80
-      drake-viapoint learn serve --out runs/person7 --person 7 --max-trials 80
-      drake-viapoint learn serve --out runs/first --resume
-      drake-viapoint learn serve --out runs/mine --demonstration my_serve.c3d --t-hit 0.93
+        drake-viapoint learn serve --out runs/first
+        drake-viapoint learn serve --out runs/robot --robot --max-trials 80
+        drake-viapoint learn serve --out runs/person7 --person 7 --max-trials 80
+        drake-viapoint learn serve --out runs/first --resume
+        drake-viapoint learn serve --out runs/mine --demonstration my_serve.c3d --t-hit 0.93
     """
     if robot:
         if options["scenario"] is not None:
@@ -123,13 +124,14 @@ def learn_upswing(
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint learn upswing --out runs/swing
-      drake-viapoint learn upswing --out runs/fixed --jacobian fixed
-      drake-viapoint learn upswing --out runs/plant --execution plant --hand tracked
-      drake-viapoint learn upswing --out runs/person7 --person 7 --max-trials 30
-      drake-viapoint learn upswing --out runs/mine --demonstration my_swing.csv --end-state 0 0
+        drake-viapoint learn upswing --out runs/swing
+        drake-viapoint learn upswing --out runs/fixed --jacobian fixed
+        drake-viapoint learn upswing --out runs/plant --execution plant --hand tracked
+        drake-viapoint learn upswing --out runs/person7 --person 7 --max-trials 30
+        drake-viapoint learn upswing --out runs/mine --demonstration my_swing.csv --end-state 0 0
     """
     angle, speed = end_state or (None, None)
     changes = {

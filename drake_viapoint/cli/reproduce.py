@@ -50,22 +50,25 @@ def reproduce(
 
     What the folder holds already is done again only if its scenario or a version has changed.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint reproduce --out results
-      drake-viapoint reproduce --out results --full
-      drake-viapoint reproduce --out results --only serve --only upswing
-      drake-viapoint reproduce --out results --only robot --size robot 4
-    \b
+        drake-viapoint reproduce --out results
+        drake-viapoint reproduce --out results --full
+        drake-viapoint reproduce --out results --only serve --only upswing
+        drake-viapoint reproduce --out results --only robot --size robot 4
+
     Experiments:
-      serve             Figs. 2 to 5, 8 and 9, recordings
-      persons           the serve from many virtual persons
-      choices           components chosen by norm and by ratio (section 2.2.2)
-      robot             Figs. 6 and 7, on a simulated robot (section 2.1)
-      conditions        Fig. 10, a disturbed ball (section 3.2)
-      conditions-small  the same with smaller explorations
-      upswing           Figs. 11 to 14, recordings
-      upswing-persons   the upswing from many virtual persons
+
+    \b
+        serve             Figs. 2 to 5, 8 and 9, recordings
+        persons           the serve from many virtual persons
+        choices           components chosen by norm and by ratio (section 2.2.2)
+        robot             Figs. 6 and 7, on a simulated robot (section 2.1)
+        conditions        Fig. 10, a disturbed ball (section 3.2)
+        conditions-small  the same with smaller explorations
+        upswing           Figs. 11 to 14, recordings
+        upswing-persons   the upswing from many virtual persons
     """
     output.begin(f"reproducing into {out}")
     with importing():

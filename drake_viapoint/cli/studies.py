@@ -27,10 +27,11 @@ _PATH = click.Path(path_type=Path)
 def components(run: Path, out: Path, position: float, angle: float, output: Output) -> None:
     """Find which via-point components move the ball in a run of the serve (our Fig. 9).
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint components runs/first --out components
-      drake-viapoint components runs/first --out components --position 0.01 --angle 1
+        drake-viapoint components runs/first --out components
+        drake-viapoint components runs/first --out components --position 0.01 --angle 1
     """
     if not (position > 0 and angle > 0):
         raise click.UsageError("--position and --angle must be positive")
@@ -56,9 +57,10 @@ def components(run: Path, out: Path, position: float, angle: float, output: Outp
 def choices(out: Path, persons: int, output: Output) -> None:
     """Learn many persons' serves with components chosen by norm and by ratio (section 2.2.2).
 
+    For example:
+
     \b
-    Example:
-      drake-viapoint choices --out results/choices --persons 20
+        drake-viapoint choices --out results/choices --persons 20
     """
     output.begin(f"learning {persons} persons' serves into {out}")
     with importing():
@@ -84,10 +86,11 @@ def conditions(sweep: Path, out: Path, output: Output) -> None:
 
     The sweep needs repeats, and to tabulate d, landing_error, T_G, success, purpose and subtask.
 
+    For example:
+
     \b
-    Example:
-      drake-viapoint sweep models/studies/three_conditions.yaml --out results/three_conditions
-      drake-viapoint conditions results/three_conditions --out results
+        drake-viapoint sweep models/studies/three_conditions.yaml --out results/three_conditions
+        drake-viapoint conditions results/three_conditions --out results
     """
     output.begin(f"comparing the conditions of {sweep}")
     with importing():

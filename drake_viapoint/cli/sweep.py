@@ -40,11 +40,12 @@ def sweep(
     Runs that are in the folder already are not done again: the same command goes on after whatever
     interrupted it, or after the study has grown. A run that fails is a row with its error.
 
+    For example:
+
     \b
-    Examples:
-      drake-viapoint sweep models/studies/three_conditions.yaml --out results/conditions
-      drake-viapoint sweep my_study.yaml --out results/mine --workers 8 --csv
-      drake-viapoint sweep my_study.yaml --out results/mine --scheduler tcp://10.0.0.1:8786
+        drake-viapoint sweep models/studies/three_conditions.yaml --out results/conditions
+        drake-viapoint sweep my_study.yaml --out results/mine --workers 8 --csv
+        drake-viapoint sweep my_study.yaml --out results/mine --scheduler tcp://10.0.0.1:8786
     \b
     A study is a YAML file:
       task: serve

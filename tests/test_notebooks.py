@@ -230,6 +230,7 @@ def test_the_serve_is_learned_on_a_robot(tmp_path: Path) -> None:
     check_display(notebook, tmp_path, pictures=8)
 
 
+@pytest.mark.notebook
 def test_ones_own_movement_arm_and_task(tmp_path: Path) -> None:
     """With few robots, and a serve's first trials."""
     (path,) = (path for path in NOTEBOOKS if path.name == "05_your_own.ipynb")

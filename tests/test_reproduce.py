@@ -108,6 +108,18 @@ def test_a_larger_study_goes_on_and_stays(tmp_path: Path, counted: Counted) -> N
     assert (tmp_path / "runs" / "trials.jsonl").read_text() == "2\n5\n", "runs are kept"
 
 
+def test_time_left_is_of_what_is_left(tmp_path: Path, counted: Counted) -> None:
+    slow = replace(counted.experiment(), seconds=(0.0, 600.0))
+    plan = reproduce._plan(Ledger(tmp_path), slow, 5, "")
+    assert plan.duration == 3000.0
+    made(tmp_path)
+    digest = source_digest()
+    assert reproduce._plan(Ledger(tmp_path), slow, 5, digest).duration == 1800.0, "two are there"
+    assert reproduce._plan(Ledger(tmp_path), slow, 2, digest).duration == 0.0
+    assert reproduce._plan(Ledger(tmp_path), slow, 2, "other").duration == 0.0, "drawn anew"
+    assert reproduce._Clock(3000.0).left() == ", about 50 min left"
+
+
 def test_a_picture_that_is_gone_or_other_code_draws_anew(
     tmp_path: Path, counted: Counted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,6 +228,16 @@ def test_sizes_are_those_of_the_shipped_studies() -> None:
     for experiment in EXPERIMENTS:
         assert 1 <= experiment.reduced <= experiment.full
         assert bool(experiment.unit) == (experiment.full > 1)
+
+
+def test_the_manual_knows_their_sizes() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "results.md").read_text(encoding="utf-8")
+    for experiment in EXPERIMENTS:
+        (row,) = [line for line in page.splitlines() if line.startswith(f"| `{experiment.name}` |")]
+        _, _, section, _, sizes, _ = row.split("|")
+        assert section.strip() == experiment.section
+        if experiment.unit:
+            assert sizes.split()[:2] == [f"{experiment.reduced},", str(experiment.full)]
 
 
 def test_what_experiments_depend_on_is_plain_and_names_the_versions() -> None:

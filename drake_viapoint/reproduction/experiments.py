@@ -42,8 +42,8 @@ class Experiment:
         unit: What its size counts; empty if there is one run of it.
         reduced: Its size by default.
         full: Its full size.
-        seconds: That it takes, and that each unit of its size takes, on two cores [s]; only what
-            share of the whole it is matters.
+        seconds: That its pictures take, and each of its runs, on two cores [s]; only what share of
+            the whole it is matters.
     """
 
     name: str
@@ -58,9 +58,9 @@ class Experiment:
     full: int = 1
     seconds: tuple[float, float] = (10.0, 0.0)
 
-    def duration(self, size: int) -> float:
-        """That it takes [s], on a machine like the one it was measured on."""
-        return self.seconds[0] + self.seconds[1] * size
+    def duration(self, runs: int) -> float:
+        """That it takes [s] if so many runs are to be made, where it was measured."""
+        return self.seconds[0] + self.seconds[1] * runs
 
 
 def _scenario(task: str) -> Callable[[], dict[str, Any]]:

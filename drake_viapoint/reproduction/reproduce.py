@@ -84,13 +84,14 @@ class _Plan:
     experiment: Experiment
     depends: Mapping[str, Any]
     size: int
+    missing: int  # of its runs
     why: str
     kept: Entry | None = None  # what need not be done again
     outdated: bool = False  # whether runs of another scenario or version are in the way
 
     @property
     def duration(self) -> float:
-        return 0.0 if self.kept else self.experiment.duration(self.size)
+        return 0.0 if self.kept else self.experiment.duration(self.missing)
 
 
 def _plan(ledger: Ledger, experiment: Experiment, size: int, source: str) -> _Plan:
@@ -98,23 +99,24 @@ def _plan(ledger: Ledger, experiment: Experiment, size: int, source: str) -> _Pl
     entry = ledger.read(experiment.name)
     counted = f"{size} {experiment.unit}" if experiment.unit else "one run"
     if entry is None:
-        return _Plan(experiment, depends, size, counted)
+        return _Plan(experiment, depends, size, size, counted)
     if changed := differences(entry.depends, depends):
         more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
         why = f"done again, as {', '.join(changed[:3])}{more}"
-        return _Plan(experiment, depends, size, why, outdated=True)
+        return _Plan(experiment, depends, size, size, why, outdated=True)
     if entry.findings is None:
-        return _Plan(experiment, depends, size, f"{counted}; going on")
+        return _Plan(experiment, depends, size, size, f"{counted}; going on")
     if size > entry.size:
-        return _Plan(experiment, depends, size, f"{counted}, of which {entry.size} are there")
+        why = f"{counted}, of which {entry.size} are there"
+        return _Plan(experiment, depends, size, size - entry.size, why)
     if missing := ledger.missing(entry.findings):
         why = f"drawn anew, as {missing[0]} is gone; its runs are kept"
-        return _Plan(experiment, depends, entry.size, why)
+        return _Plan(experiment, depends, entry.size, 0, why)
     if entry.source != source:
         why = "drawn anew, as the package's code has changed; its runs are kept"
-        return _Plan(experiment, depends, entry.size, why)
+        return _Plan(experiment, depends, entry.size, 0, why)
     why = "nothing has changed, so it is not done again"
-    return _Plan(experiment, depends, entry.size, why, kept=entry)
+    return _Plan(experiment, depends, entry.size, 0, why, kept=entry)
 
 
 def _carry_out(

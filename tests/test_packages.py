@@ -43,8 +43,9 @@ def test_wheel_carries_the_package_and_its_models(wheel: Path) -> None:
         (metadata,) = (name for name in names if name.endswith("/METADATA"))
         text = archive.read(metadata).decode()
     assert {f"drake_viapoint/models/{file}" for file in FILES} <= names
-    code = {p.relative_to(ROOT).as_posix() for p in (ROOT / "drake_viapoint").rglob("*.py")}
-    assert code <= names
+    own = [p for p in (ROOT / "drake_viapoint").rglob("*") if p.suffix in {".py", ".jinja"}]
+    assert {path.relative_to(ROOT).as_posix() for path in own} <= names
+    assert "drake_viapoint/reproduction/report.html.jinja" in names
     assert {name.split("/")[0] for name in names} == {
         "drake_viapoint",
         metadata.split("/")[0],

@@ -32,6 +32,7 @@ WITHOUT_A_SCREEN = (
     "--disable-component-update",
     "--no-sandbox",
 )
+PATIENCE = 120_000  # [ms]: machines are busy, and pixels are drawn by the processor
 SIZES = {"wide": (1200, 900), "phone": (390, 780)}
 
 in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
@@ -74,6 +75,7 @@ class Watched:
     def __init__(self, browser: Any, size: str) -> None:
         width, height = SIZES[size]
         self.page = browser.new_page(viewport={"width": width, "height": height})
+        self.page.set_default_timeout(PATIENCE)
         self.asked: list[str] = []
         self.complaints: list[str] = []
         self.page.on("request", lambda request: self.asked.append(request.url))
@@ -95,8 +97,7 @@ class Watched:
 
 
 @in_a_browser
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("where", ["disk", "server"])
+@pytest.mark.parametrize(("where", "size"), [("disk", "wide"), ("server", "phone")])
 def test_the_page_in_a_browser(
     chromium: Any, out: Path, server: str, where: str, size: str
 ) -> None:
@@ -129,7 +130,7 @@ def test_recordings_play_in_the_page(chromium: Any, out: Path) -> None:
     frame = page.locator("iframe").first
     frame.scroll_into_view_if_needed()
     canvas = page.frame_locator("iframe").first.locator("canvas").first
-    canvas.wait_for(state="visible", timeout=30_000)
+    canvas.wait_for(state="visible")
     assert changes(canvas)
     watched.check_alone()
     page.close()
@@ -142,16 +143,16 @@ def test_a_recording_plays_alone(chromium: Any, out: Path, server: str, where: s
     name = "upswing_trial30.html"
     watched.page.goto(f"{server}/{name}" if where == "server" else (out / name).as_uri())
     canvas = watched.page.locator("canvas").first
-    canvas.wait_for(state="visible", timeout=30_000)
+    canvas.wait_for(state="visible")
     assert changes(canvas)
     watched.check_alone()
     watched.page.close()
 
 
 def changes(canvas: Any) -> bool:
-    """Whether a canvas shows something else, some time within a few seconds."""
+    """Whether a canvas shows something else some time later."""
     before = canvas.screenshot()
-    for _ in range(40):
+    for _ in range(PATIENCE // 250):
         canvas.page.wait_for_timeout(250)
         if canvas.screenshot() != before:
             return True

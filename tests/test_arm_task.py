@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from own_package import own_package
 from touching import AHEAD, MOMENT, NOISE, ROBOT, SOFT, TIMES, WITH_POINTER, Touch, reach, touch
 
 from drake_viapoint.errors import (
@@ -215,6 +216,14 @@ def test_models_and_unknowns_are_checked() -> None:
         ArmScene(WITH_POINTER, "tip", surroundings=SEVEN)
     with pytest.raises(ScenarioError, match=r"unknown shift must be in \[0, 1\), got 1.5"):
         UnknownArm(shift=1.5)
+
+
+def test_an_arm_in_a_package_of_ones_own_moves_the_same(tmp_path: Path) -> None:
+    file = own_package(tmp_path) / "six_joint_arm_with_pointer.dmd.yaml"
+    own = Touch(ArmScene(str(file), "tip"))
+    shipped = Touch(ArmScene(WITH_POINTER, "tip"))
+    trials = [it.execute(it.via_points, 0).record() for it in (own, shipped)]
+    assert trials[0] == trials[1]
 
 
 @pytest.mark.parametrize(

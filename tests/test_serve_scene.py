@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from own_package import own_package
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_viapoint.errors import ModelFileError
 from drake_viapoint.packages import models_path
+from drake_viapoint.tasks.catalogue import build_task
 from drake_viapoint.tasks.serve_scenario import ServeScenario
 from drake_viapoint.tasks.serve_scene import ServeScene, scene_path
 
@@ -136,4 +138,34 @@ def test_a_scene_without_its_arms_joints_is_refused(tmp_path: Path) -> None:
     scenario = ServeScenario()
     scenario.scene = str(file)
     with pytest.raises(ModelFileError, match="empty"):
+        ServeScene(scenario)
+
+
+@pytest.mark.parametrize(
+    ("arm", "scene"),
+    [
+        ("arm_with_racket", "serve"),
+        ("six_joint_arm_with_racket", "six_joint_serve"),
+    ],
+)
+def test_a_scene_in_a_package_of_ones_own_serves_the_same(
+    tmp_path: Path, arm: str, scene: str
+) -> None:
+    config = own_package(tmp_path)
+    trials = []
+    for folder in ("package://drake_viapoint", str(config)):
+        scenario = ServeScenario()
+        scenario.robot.directives = f"{folder}/{arm}.dmd.yaml"
+        scenario.scene = f"{folder}/{scene}.dmd.yaml"
+        task = build_task(scenario)
+        trials.append(task.execute(task.via_points, 0).record())
+    assert trials[0] == trials[1]
+
+
+def test_a_scene_names_the_package_it_does_not_know(tmp_path: Path) -> None:
+    config = own_package(tmp_path)
+    (config.parent / "package.xml").unlink()
+    scenario = ServeScenario()
+    scenario.scene = str(config / "serve.dmd.yaml")
+    with pytest.raises(ModelFileError, match=r"serve\.dmd\.yaml: .*unknown package 'my_robot'"):
         ServeScene(scenario)

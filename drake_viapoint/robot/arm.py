@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_viapoint.errors import ModelFileError
-from drake_viapoint.packages import package_map
+from drake_viapoint.robot.directives import add_directives
 
 
 class ToolPose(NamedTuple):
@@ -134,11 +133,6 @@ def load_plant(directives: Path, time_step: float = 0.0) -> MultibodyPlant:
         ModelFileError: The file or a model it names cannot be read.
     """
     plant = MultibodyPlant(time_step)
-    parser = Parser(plant)
-    parser.package_map().AddMap(package_map())
-    try:
-        parser.AddModels(str(directives))
-    except RuntimeError as error:
-        raise ModelFileError(str(directives), " ".join(str(error).split())) from error
+    add_directives(plant, directives)
     plant.Finalize()
     return plant

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
     ApplyMultibodyPlantConfig,
@@ -14,8 +13,8 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_viapoint.errors import ModelFileError
-from drake_viapoint.packages import package_map, resolve
+from drake_viapoint.packages import resolve
+from drake_viapoint.robot.directives import add_directives
 
 
 def scene_path(address: str) -> Path:
@@ -58,10 +57,4 @@ def add_models(plant: MultibodyPlant, address: str) -> None:
     Raises:
         ModelFileError: The file or a model it names cannot be read.
     """
-    parser = Parser(plant)
-    parser.package_map().AddMap(package_map())
-    path = scene_path(address)
-    try:
-        parser.AddModels(str(path))
-    except RuntimeError as error:
-        raise ModelFileError(address, " ".join(str(error).split())) from error
+    add_directives(plant, scene_path(address), address)

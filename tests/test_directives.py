@@ -1,0 +1,157 @@
+"""Directives of a user's own: which package is known, and what an error names."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from own_package import own_package
+
+from drake_viapoint.errors import ModelFileError
+from drake_viapoint.packages import FOLDERS_ABOVE, models_path, package_beside, package_map, resolve
+from drake_viapoint.robot.arm import load_plant
+
+BALL = resolve("package://drake_viapoint/ball/ball.urdf").read_text()
+
+
+def package(folder: Path, name: str) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "package.xml").write_text(f"<package format='2'><name>{name}</name></package>")
+    (folder / "ball.urdf").write_text(BALL)
+    return folder
+
+
+def directives(folder: Path, address: str) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "own.dmd.yaml"
+    file.write_text(f"directives:\n- add_model: {{name: ball, file: '{address}'}}\n")
+    return file
+
+
+def fault(file: Path) -> str:
+    with pytest.raises(ModelFileError) as caught:
+        load_plant(file)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("above", range(FOLDERS_ABOVE + 3))
+def test_the_package_around_the_file_is_known_a_few_folders_up(tmp_path: Path, above: int) -> None:
+    own = package(tmp_path / "a" / "b" / "c" / "own", "own")
+    file = directives(own.joinpath(*"uvwxyz"[:above]), "package://own/ball.urdf")
+    if above <= FOLDERS_ABOVE:
+        assert package_beside(file) == ("own", own)
+        assert load_plant(file).HasBodyNamed("ball")
+    else:
+        assert package_beside(file) is None
+        assert "'own'" in fault(file)
+
+
+def test_the_nearest_package_counts(tmp_path: Path) -> None:
+    package(tmp_path, "outer")
+    inner = package(tmp_path / "inner", "inner")
+    assert package_beside(inner / "config" / "own.dmd.yaml") == ("inner", inner)
+    assert package_beside(tmp_path / "other" / "own.dmd.yaml") == ("outer", tmp_path)
+
+
+def test_nothing_is_looked_for_below(tmp_path: Path) -> None:
+    package(tmp_path / "below", "own")
+    assert package_beside(tmp_path / "own.dmd.yaml") is None
+    assert "unknown package 'own'" in fault(directives(tmp_path, "package://own/ball.urdf"))
+
+
+def test_a_path_from_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = package(tmp_path / "own", "own")
+    directives(own / "config", "package://own/ball.urdf")
+    monkeypatch.chdir(own / "config")
+    assert load_plant(Path("own.dmd.yaml")).HasBodyNamed("ball")
+    monkeypatch.chdir(own)
+    assert load_plant(Path("config/../config/own.dmd.yaml")).HasBodyNamed("ball")
+
+
+def test_the_shipped_directives_lie_in_no_package_of_a_users_own() -> None:
+    assert package_beside(models_path() / "serve.dmd.yaml") is None
+    assert package_beside(models_path() / "scenarios" / "serve.yaml") is None
+    shipped = set(package_map().GetPackageNames())
+    assert set(package_map(models_path() / "serve.dmd.yaml").GetPackageNames()) == shipped
+
+
+@pytest.mark.parametrize("name", ["drake_viapoint", "drake", "drake_models"])
+def test_names_that_are_taken(tmp_path: Path, name: str) -> None:
+    """Whose models an address means would depend on who reads it."""
+    own = package(tmp_path / "own", name)
+    message = fault(directives(own, f"package://{name}/ball.urdf"))
+    assert message.startswith(f"{own / 'package.xml'}: ")
+    assert name in message.removeprefix(f"{own}")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "<package>",
+        "<package/>",
+        "<package><name/></package>",
+        "<package><name> </name></package>",
+        "<robot><name>own</name></robot>",
+        "<?xml version='1.0' encoding='of one kind'?><package><name>own</name></package>",
+    ],
+)
+def test_a_manifest_without_a_name(tmp_path: Path, text: str) -> None:
+    """Some of them would stop the process if Drake read them."""
+    file = directives(tmp_path, "package://drake_viapoint/ball/ball.urdf")
+    (tmp_path / "package.xml").write_text(text)
+    assert fault(file).startswith(f"{tmp_path / 'package.xml'}: ")
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("package://own/none.urdf", "does not exist"),
+        ("package://other/ball.urdf", "unknown package 'other'; known are "),
+        ("file:///no/ball.urdf", "does not exist"),
+        ("ball.urdf", "is no address: it has the form package://NAME/FILE or file:///FILE"),
+        ("file:ball.urdf", "is no address"),
+        ("file://ball.urdf", "is no address"),
+        ("https://own/ball.urdf", "unsupported"),
+    ],
+)
+def test_errors_name_the_address(tmp_path: Path, address: str, reason: str) -> None:
+    file = directives(package(tmp_path, "own"), address)
+    message = fault(file)
+    assert message.startswith(f"{file}: ")
+    assert address in message
+    assert reason in message
+
+
+def test_the_known_packages_are_listed(tmp_path: Path) -> None:
+    message = fault(directives(package(tmp_path, "own"), "package://owm/ball.urdf"))
+    known = message.partition("known are ")[2].split(", ")
+    assert {"own", "drake_viapoint"} <= set(known)
+
+
+def test_directives_within_directives_know_the_package(tmp_path: Path) -> None:
+    own = package(tmp_path, "own")
+    directives(own / "inner", "package://own/ball.urdf")
+    outer = own / "outer.dmd.yaml"
+    address = "package://own/inner/own.dmd.yaml"
+    outer.write_text(f"directives:\n- add_directives: {{file: {address}}}\n")
+    assert load_plant(outer).HasBodyNamed("ball")
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        "arm_with_racket",
+        "arm_with_axle",
+        "six_joint_arm_with_racket",
+        "six_joint_arm_with_pointer",
+    ],
+)
+def test_an_arm_in_a_package_of_its_own_is_the_same_arm(tmp_path: Path, arm: str) -> None:
+    shipped = load_plant(resolve(f"package://drake_viapoint/{arm}.dmd.yaml"))
+    own = load_plant(own_package(tmp_path) / f"{arm}.dmd.yaml")
+    masses = []
+    for plant in (shipped, own):
+        context = plant.CreateDefaultContext()
+        masses.append(plant.CalcMassMatrix(context))
+    np.testing.assert_array_equal(*masses)

@@ -30,10 +30,10 @@ class ServeContact:
     strings_friction: float = 0.35
     """Of felt on strings: measured, 0.3 to 0.4."""
     ball_mesh: float = 0.005
-    """Edge length of the ball's hydroelastic mesh; rolled, such a ball presses by 0.2 % harder or
-    softer."""
+    """Edge length of the ball's hydroelastic mesh [m]; rolled, such a ball presses by 0.2 % harder
+    or softer."""
     cup_radius: float = 0.0345
-    """Of the cup's hollow, inside its wall."""
+    """Of the cup's hollow, inside its wall [m]."""
     cup_stiffness: float = 3e3
     """Of each of the eight places where the ball may rest [N/m]."""
     cup_dissipation: float = 10.0
@@ -41,15 +41,17 @@ class ServeContact:
     cup_friction: float = 0.3
     """Of felt on the cup's lining."""
     ring_radius: float = 0.125
-    """Of the goal's ring, inside."""
+    """Of the goal's ring, inside [m]."""
     ring_tube: float = 0.009
-    """Radius of its tube, as its mesh has it."""
+    """Radius of its tube, as its mesh has it [m]."""
     ring_stiffness: float = 2e4
+    """Of ball on ring [N/m]."""
     ring_restitution: float = 0.6
     """Of the ball on the ring, at ``speed``."""
     ring_friction: float = 0.3
+    """Of felt on the ring."""
     step: float = 1e-3
-    """While the ball may touch something; simulator.max_step_size holds while it flies."""
+    """While the ball may touch something [s]; simulator.max_step_size holds while it flies."""
 
     def validate(self, contact: bool, ball_mass: float, ball_radius: float) -> None:
         """Check every value against its bounds.
@@ -106,7 +108,7 @@ class ServeUnknown:
     """Of each joint, in efforts."""
     mount: float = 0.0
     """The racket sits turned in its mount, about each axis by an angle with this standard
-    deviation, drawn anew for each trial."""
+    deviation [rad], drawn anew for each trial."""
     restitution: float = 0.0
     """The ball's restitution is scaled by a factor within 1 - this and 1 + this, drawn for each
     trial: a rough ball."""
@@ -138,10 +140,10 @@ class ServeCameras:
     see: str = "truth"
     """What the learner is told: truth, or what can be told from samples."""
     rate: float = 60.0
-    """Samples a second."""
+    """Samples a second [1/s]."""
     noise: float = 0.005
-    """Standard deviation of each coordinate of a sample, so 9 mm in space (section 2.1.1: 5 to 10,
-    at 60 Hz)."""
+    """Standard deviation of each coordinate of a sample [m], so 9 mm in space (section 2.1.1: 5 to
+    10, at 60 Hz)."""
 
     def validate(self) -> None:
         """Check every value against its bounds.

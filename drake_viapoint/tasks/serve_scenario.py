@@ -36,7 +36,7 @@ class ServeDemonstration:
     cutoff: float = 12.0
     """Of the low-pass filter [Hz]."""
     hit_time: float | None = None
-    """t_HIT; found from the spike in acceleration if not given."""
+    """t_HIT [s]; found from the spike in acceleration if not given."""
     via_points: int = 8
     """Number of via-points, ends included."""
     angle_weight: float = 0.3
@@ -48,9 +48,13 @@ class ServeRobot:
     """The arm that serves, and how it is made to follow a path."""
 
     directives: str = "package://drake_viapoint/arm_with_racket.dmd.yaml"
+    """Model directives of the arm and its tool: all that the controller knows."""
     arm: str = "arm"
+    """Name of the arm's model instance."""
     tool_frame: str = "racket"
+    """Frame whose pose the via-points describe."""
     cup_frame: str = "cup"
+    """Frame of the cup that carries the ball."""
     mount_frame: str = "handle"
     """Where the tool is held: a frame fixed to it by which it is welded to the arm."""
     natural_frequency: float = 28.0
@@ -58,12 +62,13 @@ class ServeRobot:
     though the controller does not know of the ball; from 30 on the integrator has to halve its
     steps."""
     position_threshold: float = 1e-3
-    """Supplemental via-points are added until the tool is this near to its path."""
+    """Supplemental via-points are added until the tool is this near to its path [m]."""
     rotation_threshold: float = 1e-2
+    """The same for its orientation [rad]."""
     half_width: float = 0.115
-    """Of the oval that strikes the ball, along x_racket."""
+    """Of the oval that strikes the ball, along x_racket [m]."""
     half_length: float = 0.155
-    """Of the oval that strikes the ball, along z_racket."""
+    """Of the oval that strikes the ball, along z_racket [m]."""
 
 
 @dataclass
@@ -71,8 +76,11 @@ class ServeBall:
     """The robot's ball."""
 
     body: str = "ball"
+    """Name of the ball's body."""
     mass: float = 0.058
+    """Of the ball [kg]: 56.0 to 59.4 g for a tennis ball (ITF rules)."""
     radius: float = 0.033
+    """Of the ball [m]: 32.7 to 34.3 mm for a tennis ball (ITF rules)."""
     restitution: float = 0.8
     """On the face, of the normal relative speed [assumed; between hand-held and clamped]. With
     contact, of the ball on strings held fast: what the racket takes comes on top."""
@@ -99,12 +107,14 @@ class ThrowLearning:
     """Subtask 1: throw the ball so that the face's centre meets it (section 2.1.2)."""
 
     control: list[str] = field(default_factory=lambda: ["x3", "y3", "z3", "x4", "y4", "z4"])
+    """S_H, the components that subtask 1 changes."""
     gain: float = 0.5
+    """Diagonal of B_H (Eq. 1)."""
     regularization: float = 0.04
     """lambda_J, for a Jacobian in tolerances a perturbation: a direction in which one perturbation
     moves the ball by less than a fifth of the meeting tolerance, 1 cm, is hardly used [assumed]."""
     reached: float = 0.03
-    """Subtask 2 starts once d is below this: it moves d by up to 2 cm, and 5 cm is the bar
+    """Subtask 2 starts once d is below this [m]: it moves d by up to 2 cm, and 5 cm is the bar
     [assumed]."""
 
 
@@ -113,10 +123,13 @@ class StrikeLearning:
     """Subtask 2: strike the ball into the goal (sections 2.1.3 and 2.2.2)."""
 
     control: list[str] = field(default_factory=lambda: ["phi6", "phi7", "psi7"])
+    """S_G, the components that subtask 2 changes."""
     gain: float = 0.4
+    """alpha of B_G (Eq. 4) up to taper_start."""
     taper_start: float = 0.05
+    """d from which on the gain falls [m]."""
     gate: float = 0.1
-    """The gain falls from taper_start to 0 at this d; a trial beyond serves subtask 1."""
+    """The gain falls from taper_start to 0 at this d [m]; a trial beyond serves subtask 1."""
     regularization: float = 0.0064
     """As for the throw: here, too, 1 cm a perturbation, of a landing tolerance of 12.5 cm
     [assumed]."""
@@ -129,15 +142,15 @@ class ServeLearning:
     throw: ThrowLearning = field(default_factory=ThrowLearning)
     strike: StrikeLearning = field(default_factory=StrikeLearning)
     position_perturbation: float = 0.01
-    """By which x, y and z of a via-point are explored, in either subtask."""
+    """By which x, y and z of a via-point are explored, in either subtask [m]."""
     angle_perturbation: float = 0.017453292519943295
-    """The same of phi, theta and psi: 1 degree."""
+    """The same of phi, theta and psi [rad]: 1 degree."""
     jacobian: JacobianScenario = field(default_factory=lambda: JacobianScenario(window=15))
     """What becomes of both Jacobians; K = 15 in section 3.2."""
     meeting_tolerance: float = 0.05
-    """A successful trial has d below this."""
+    """A successful trial has d below this [m]."""
     landing_tolerance: float = 0.125
-    """And lands this near to the goal's centre: the ring's radius."""
+    """And lands this near to the goal's centre [m]: the ring's radius."""
     successes: int = 3
     """So many successful trials in a row and the serve is learned."""
     repeats: int = 5
@@ -149,11 +162,13 @@ class ServeScenario:
     """A serve: who is watched, who serves, with what, how it is executed and learned."""
 
     task: str = "serve"
+    """Name of the task; the first key of every scenario."""
     demonstration: ServeDemonstration = field(default_factory=ServeDemonstration)
     robot: ServeRobot = field(default_factory=ServeRobot)
     scene: str = "package://drake_viapoint/serve.dmd.yaml"
     """Model directives of arm, racket, ball and goal; the goal's centre is the frame `ring`."""
     ring_frame: str = "ring"
+    """Frame at the centre of the goal's ring."""
     ball: ServeBall = field(default_factory=ServeBall)
     disturbance: ServeDisturbance = field(default_factory=ServeDisturbance)
     learning: ServeLearning = field(default_factory=ServeLearning)
@@ -166,14 +181,16 @@ class ServeScenario:
     unknown: ServeUnknown = field(default_factory=ServeUnknown)
     cameras: ServeCameras = field(default_factory=ServeCameras)
     plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
+    """Drake's own configuration of the plant."""
     simulator: SimulatorConfig = field(
         default_factory=lambda: SimulatorConfig(
             integration_scheme="runge_kutta5", accuracy=1e-3, max_step_size=0.018
         )
     )
-    """Steps of 18 ms land within 0.03 mm of the limit. The accuracy only stands guard: where a step
-    errs by more, all are halved."""
+    """Drake's own configuration of the simulator. Steps of 18 ms land within 0.03 mm of the limit.
+    The accuracy only stands guard: where a step errs by more, all are halved."""
     seed: int = 0
+    """Of the run; each trial's own seed follows from it."""
     made_with: dict[str, str] = field(default_factory=dict)
     """Versions of what executed a run; filled in when a run begins."""
 

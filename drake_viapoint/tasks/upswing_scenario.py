@@ -36,9 +36,9 @@ class UpswingDemonstration:
     cutoff: float = 8.0
     """Of the low-pass filter of the hand's path [Hz]."""
     end_angle: float | None = None
-    """theta_d; measured from the tip's marker if not given."""
+    """theta_d [rad]; measured from the tip's marker if not given."""
     end_speed: float | None = None
-    """omega_d; measured from the tip's marker if not given."""
+    """omega_d [rad/s]; measured from the tip's marker if not given."""
     via_points: int = 8
     """Number of via-points, ends included."""
 
@@ -48,8 +48,9 @@ class UpswingPendulum:
     """The robot's pendulum: a rod without mass, and a bob."""
 
     length: float = 0.35
+    """Of the rod, l in the paper [m]."""
     mass: float = 0.05
-    """Of the bob; only the arm that carries it feels it."""
+    """Of the bob [kg]; only the arm that carries it feels it."""
     damping: float = 0.0
     """Viscous, as a share of the speed lost in a second [1/s]."""
 
@@ -59,19 +60,23 @@ class UpswingRobot:
     """The arm that swings, and how it is made to follow a path."""
 
     directives: str = "package://drake_viapoint/arm_with_axle.dmd.yaml"
+    """Model directives of the arm and its tool: all that the controller knows."""
     arm: str = "arm"
+    """Name of the arm's model instance."""
     tool_frame: str = "axle"
+    """Frame whose pose the via-points describe."""
     line: list[float] = field(default_factory=lambda: [0.0, 0.44, 1.215])
-    """Where the hand is at x = 0, in the world; it moves along the world's x from there."""
+    """Where the hand is at x = 0, in the world [m]; it moves along the world's x from there."""
     orientation: list[float] = field(default_factory=lambda: [0.0, 1.5707963267948966, 0.0])
-    """ZYZ angles of the axle's frame; its y is the pendulum's axis and looks forward."""
+    """ZYZ angles of the axle's frame [rad]; its y is the pendulum's axis and looks forward."""
     natural_frequency: float = 100.0
     """Of the tracking error's decay [rad/s]: the wrist is light beside the pendulum's pull, which
     the controller does not know of."""
     position_threshold: float = 1e-4
-    """Supplemental via-points are added until the hand is this near to its path: 1 mm is as much as
-    a success forgives."""
+    """Supplemental via-points are added until the hand is this near to its path [m]: 1 mm is as
+    much as a success forgives."""
     rotation_threshold: float = 1e-2
+    """The same for its orientation [rad]."""
 
 
 @dataclass
@@ -81,6 +86,7 @@ class UpswingLearning:
     control: list[str] = field(default_factory=lambda: [f"x{i}" for i in range(2, 8)])
     """The interior via-points: the paper's x1 to x6, which does not count the ends."""
     perturbation: float = 0.01
+    """By which x of a via-point is explored [m]."""
     gain: list[float] = field(default_factory=lambda: [0.2, 0.02])
     """Diagonal of B, for theta and omega."""
     regularization: float = 0.1
@@ -89,7 +95,9 @@ class UpswingLearning:
     jacobian: JacobianScenario = field(default_factory=lambda: JacobianScenario(way="recorded"))
     """What becomes of the Jacobian; K = 12 in section 3.3."""
     angle_tolerance: float = 0.1
+    """A successful trial ends nearer to theta_d than this [rad]."""
     speed_tolerance: float = 0.5
+    """And nearer to omega_d than this [rad/s]."""
     successes: int = 3
     """So many successful trials in a row and the upswing is learned; 0 to go on to the end."""
     repeats: int = 0
@@ -101,6 +109,7 @@ class UpswingScenario:
     """An upswing: who is watched, what swings, how it is executed and learned."""
 
     task: str = "upswing"
+    """Name of the task; the first key of every scenario."""
     demonstration: UpswingDemonstration = field(default_factory=UpswingDemonstration)
     pendulum: UpswingPendulum = field(default_factory=UpswingPendulum)
     execution: str = "recurrence"
@@ -108,16 +117,19 @@ class UpswingScenario:
     hand: str = "kinematic"
     """In the plant. kinematic: the hand moves exactly as commanded. tracked: the arm carries it."""
     time_step: float = 1 / 60
-    """Delta of the recurrence."""
+    """Delta of the recurrence [s]."""
     robot: UpswingRobot = field(default_factory=UpswingRobot)
     learning: UpswingLearning = field(default_factory=UpswingLearning)
     plant: MultibodyPlantConfig = field(default_factory=lambda: MultibodyPlantConfig(time_step=0.0))
+    """Drake's own configuration of the plant."""
     simulator: SimulatorConfig = field(
         default_factory=lambda: SimulatorConfig(
             integration_scheme="runge_kutta5", accuracy=1e-4, max_step_size=0.01
         )
     )
+    """Drake's own configuration of the simulator."""
     seed: int = 0
+    """Of the run; each trial's own seed follows from it."""
     made_with: dict[str, str] = field(default_factory=dict)
     """Versions of what executed a run; filled in when a run begins."""
 

@@ -551,6 +551,7 @@ def test_scenarios_that_cannot_be_read(command: Callable[..., Answer], tmp_path:
 def test_the_printed_scenario_is_one(command: Callable[..., Answer], tmp_path: Path) -> None:
     printed = command("scenario", "serve")
     assert printed.code == 0
+    assert "\n  # hit_time:\n" in printed.out
     (tmp_path / "mine.yaml").write_text(printed.out)
     assert command(
         "learn", "serve", "--out", "run", "--scenario", tmp_path / "mine.yaml", "--max-trials", "1"

@@ -14,6 +14,7 @@ from markdown_pages import ROOT, fences, texts
 from drake_viapoint.runs.study import Study
 from drake_viapoint.tasks.catalogue import TASKS, task_scenario
 from drake_viapoint.tasks.scenario import dump_scenario
+from drake_viapoint.tasks.whole_scenario import meanings
 
 PAGES = {page: text for page, text in texts().items() if page.startswith("docs/")}
 WITH_CODE = [p for p, t in PAGES.items() if any(f.info.startswith("python") for f in fences(t))]
@@ -42,16 +43,16 @@ def keys(values: Page, prefix: str = "") -> set[str]:
     return found
 
 
-def documented(task: str) -> dict[str, str]:
-    """Full keys in the tables of a task's scenario, and the defaults they are said to have."""
+def documented(task: str, column: int = 2) -> dict[str, str]:
+    """Full keys in the tables of a task's scenario, and what a column says: 2 the default."""
     title = task.capitalize()
     found, section = {}, None
     for line in PAGES["docs/scenario.md"].splitlines():
         if heading := re.fullmatch(r"##+ (.*)", line):
             name = re.fullmatch(rf"{title}: (?:top level|`(.+)`)", heading[1])
             section = None if name is None else f"{name[1]}." if name[1] else ""
-        elif section is not None and (row := re.match(r"\| `(\w+)` \| (.+?) \|", line)):
-            found[section + row[1]] = row[2]
+        elif section is not None and (row := re.match(r"\| `(\w+)` \|", line)):
+            found[section + row[1]] = re.split(r" *(?<!\\)\| ?", line)[column]
     return found
 
 
@@ -72,6 +73,18 @@ def test_the_scenarios_page_has_every_key_and_its_default(task: str) -> None:
     assert [key for key in sorted(keys(drakes)) if f"`{key}`" not in page] == []
     for key in optional:
         task_scenario(task, changes={key: 0.5})  # there is such a key
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_the_scenarios_page_has_the_units_of_the_code(task: str) -> None:
+    for key, unit in documented(task, column=3).items():
+        part = TASKS[task].scenario()
+        *above, name = key.split(".")
+        for word in above:
+            part = getattr(part, word)
+        meaning = meanings(type(part))[name]
+        told = set(re.findall(r"\[([^\]]+)\]", meaning))
+        assert (unit in told) if unit else not {u for u in told if re.fullmatch(r"\S{1,5}", u)}, key
 
 
 def test_the_scenarios_page_says_what_the_robots_changes() -> None:

@@ -1,6 +1,8 @@
 """Reading scenarios of any kind: what is wrong is named by file, key and value."""
 
-from dataclasses import dataclass, field
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from drake_viapoint.errors import ScenarioError
+from drake_viapoint.tasks.catalogue import TASKS, task_scenario
 from drake_viapoint.tasks.scenario import dump_scenario, load_scenario, require, require_positive
+from drake_viapoint.tasks.whole_scenario import meanings, whole_scenario
 
 
 @dataclass
@@ -158,3 +162,146 @@ def test_any_bytes_load_or_are_refused(tmp_path: Path, content: bytes) -> None:
 
 def test_a_mapping_that_holds_itself_is_refused(tmp_path: Path) -> None:
     assert "holds itself" in fault(tmp_path, "tools: &tools {racket: *tools}")
+
+
+# ----------------------------------------------------------- what can be set, and what it means
+
+
+@dataclass
+class Grip:
+    force: float | None = None
+    """How firmly the
+    racket is held [N]."""
+    hand: str | None = None
+    """By which hand."""
+    glove: str = "none"
+    turn: float | None = None
+
+
+@dataclass
+class Held:
+    """A scenario in which much is left open, at the ends and in between."""
+
+    first: int | None = None
+    """Nothing stands above it."""
+    task: str = "held"
+    grip: Grip = field(default_factory=Grip)
+    seed: int = 0
+    last: float | None = None
+    made_with: dict[str, str] = field(default_factory=dict)
+
+    def validate(self) -> None:
+        require(self.seed >= 0, "seed", self.seed, "must not be negative")
+
+
+OPEN = {"force": "0.5", "hand": "left", "turn": "-1.5", "first": "3", "last": "2.5"}
+
+
+def uncommented(text: str, name: str, value: str) -> str:
+    """With a value at the place of a key that is not given."""
+    found = re.subn(rf"(?m)^( *)# {name}:$", rf"\1{name}: {value}", text)
+    assert found[1] == 1, name
+    return found[0]
+
+
+def test_what_is_not_given_is_said_where_it_belongs() -> None:
+    assert whole_scenario(Held()) == (
+        "# Nothing stands above it.\n"
+        "# first:\n"
+        "task: held\n"
+        "grip:\n"
+        "  # How firmly the racket is held [N].\n"
+        "  # force:\n"
+        "  # By which hand.\n"
+        "  # hand:\n"
+        "  glove: none\n"
+        "  # turn:\n"
+        "seed: 0\n"
+        "# last:\n"
+        "made_with: {}\n"
+    )
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@given(
+    st.builds(
+        Held,
+        first=st.none() | st.integers(-9, 9),
+        last=st.none() | st.floats(-9, 9),
+        grip=st.builds(
+            Grip,
+            force=st.none() | st.floats(-9, 9),
+            hand=st.none() | st.sampled_from(["left", "# hand:", "  # turn:", "a # b"]),
+            glove=st.sampled_from(["none", "# force:", "a: b", "", "{}", "two\nlines\n", "- x"]),
+            turn=st.none() | st.floats(-9, 9),
+        ),
+    )
+)
+def test_a_whole_scenario_loads_as_itself_and_takes_what_it_offers(
+    tmp_path: Path, held: Held
+) -> None:
+    file = tmp_path / "held.yaml"
+    file.write_text(whole := whole_scenario(held))
+    assert load_scenario(file, Held) == held
+    grip = held.grip
+    given_values = {"first": held.first, "last": held.last}
+    given_values |= {"force": grip.force, "hand": grip.hand, "turn": grip.turn}
+    for name in [name for name, value in given_values.items() if value is None]:
+        file.write_text(uncommented(whole, name, OPEN[name]))
+        taken = load_scenario(file, Held)
+        part = taken if hasattr(taken, name) else taken.grip
+        assert str(getattr(part, name)) == OPEN[name]
+        setattr(part, name, None)
+        assert taken == held
+
+
+def parts(scenario: object, above: str = "") -> Iterator[tuple[str, object]]:
+    """A scenario and its parts, by the keys they are below."""
+    yield above, scenario
+    for item in fields(scenario):  # type: ignore[arg-type]
+        if is_dataclass(part := getattr(scenario, item.name)):
+            yield from parts(part, f"{above}{item.name}.")
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_the_shipped_scenarios_say_every_key(tmp_path: Path, task: str) -> None:
+    scenario = task_scenario(task)
+    file = tmp_path / "whole.yaml"
+    file.write_text(whole := whole_scenario(scenario))
+    assert dump_scenario(task_scenario(task, file)) == dump_scenario(scenario)
+    for above, part in parts(scenario):
+        for item in fields(part):  # type: ignore[arg-type]
+            assert re.search(rf"(?m)^ *(# )?{item.name}:", whole), item.name
+            if getattr(part, item.name) is None:
+                file.write_text(uncommented(whole, item.name, "0.25"))
+                changed = task_scenario(task, changes={f"{above}{item.name}": 0.25})
+                assert dump_scenario(task_scenario(task, file)) == dump_scenario(changed)
+
+
+def without_meaning(scenario: object) -> list[str]:
+    """Full keys of the fields that are described neither below them nor by their class."""
+    bare = []
+    for above, part in parts(scenario):
+        told = meanings(type(part))
+        for item in fields(part):  # type: ignore[arg-type]
+            inner = getattr(part, item.name)
+            kind = type(inner)
+            made_up = is_dataclass(kind) and (kind.__doc__ or "").startswith(f"{kind.__name__}(")
+            if not told.get(item.name) and (made_up or not is_dataclass(kind)):
+                bare.append(f"{above}{item.name}")
+    return bare
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_every_field_of_a_scenario_has_its_meaning(task: str) -> None:
+    assert without_meaning(TASKS[task].scenario()) == []
+
+
+def test_a_field_without_a_meaning_is_found() -> None:
+    bare = ["task", "grip", "seed", "last", "made_with", "grip.glove", "grip.turn"]
+    assert without_meaning(Held()) == bare
+
+
+def test_without_source_there_are_no_meanings() -> None:
+    made = dataclass(type("Made", (), {"__annotations__": {"share": float | None}, "share": None}))
+    assert meanings(made) == {}

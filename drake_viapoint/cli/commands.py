@@ -189,10 +189,10 @@ def scenario(task: str, robot: bool) -> None:
         raise click.UsageError(f"--robot is of the serve, not of the {task}")
     with importing():
         from drake_viapoint.tasks.catalogue import task_scenario
-        from drake_viapoint.tasks.scenario import dump_scenario
+        from drake_viapoint.tasks.whole_scenario import whole_scenario
 
     file = robot_serve() if robot else None
-    click.echo(dump_scenario(task_scenario(task, file)), nl=False)
+    click.echo(whole_scenario(task_scenario(task, file)), nl=False)
 
 
 if __name__ == "__main__":

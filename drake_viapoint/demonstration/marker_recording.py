@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_viapoint.demonstration.even_times import unrounded
 from drake_viapoint.errors import MarkerMissingError, RecordingError
 
 
@@ -58,8 +59,11 @@ class MarkerRecording:
 
     @property
     def rate(self) -> float:
-        """Samples per second, from the median time between samples [Hz]."""
-        return float(1.0 / np.median(np.diff(self.times)))
+        """Samples per second, from the median time between samples [Hz].
+
+        Of even times that the file has rounded, it is the rate they had: see ``unrounded``.
+        """
+        return float(1.0 / np.median(np.diff(unrounded(self.times))))
 
     def index(self, name: str) -> int:
         """Column of a marker.

@@ -20,6 +20,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 from scipy.spatial.transform import Rotation
 
+from drake_viapoint.demonstration.even_times import unrounded
 from drake_viapoint.demonstration.gaps import LONGEST_GAP, fill_gaps
 from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.errors import RacketPoseError
@@ -127,6 +128,8 @@ def even_marker_paths(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Unfiltered paths of some markers at even times, gaps filled.
 
+    Even times that a file has rounded count as what they were (``unrounded``).
+
     Args:
         recording: The markers; resampled to the median rate where its times are uneven by more than
             a thousandth of a period.
@@ -136,14 +139,17 @@ def even_marker_paths(
     Returns:
         Times (n,) [s] and positions (n, len(markers), 3) [m].
     """
-    filled = fill_gaps(recording, markers, longest_gap)
+    even = MarkerRecording(
+        recording.names, unrounded(recording.times), recording.positions, recording.source
+    )
+    filled = fill_gaps(even, markers, longest_gap)
     points = np.stack([filled.marker(name) for name in markers], axis=1)
     times, rate = filled.times, filled.rate
     if np.max(np.abs(np.diff(times) * rate - 1.0)) < 1e-3:
         return times, points
     steps = int(np.floor((times[-1] - times[0]) * rate + 1e-9))
-    even = times[0] + np.arange(steps + 1) / rate
-    return even, CubicSpline(times, points)(np.minimum(even, times[-1]))
+    resampled = times[0] + np.arange(steps + 1) / rate
+    return resampled, CubicSpline(times, points)(np.minimum(resampled, times[-1]))
 
 
 def fit_rigid_body(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
@@ -42,6 +42,7 @@ def test_energy_and_sideways_velocity_stay(position: NDArray, velocity: NDArray,
 
 
 @given(points, vectors, st.floats(0, 3), st.sampled_from([0.0, DRAG]))
+@example(np.array([0.0, 0.0, 0.015625]), np.array([0.0, 0.0, 0.015625]), 0.015625, DRAG)
 def test_it_falls_through_a_height_once_and_downwards(
     position: NDArray, velocity: NDArray, height: float, drag: float
 ) -> None:

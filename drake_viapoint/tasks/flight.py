@@ -96,8 +96,10 @@ class DraggedFlight:
         falls = np.nonzero(above[:-1] & ~above[1:])[0]
         if not falls.size:
             return None
-        bracket = times[falls[0]], times[falls[0] + 1]
-        return float(brentq(lambda t: float(self._state(t)[2]) - height, *bracket, xtol=1e-13))
+        start, end = times[falls[0]], times[falls[0] + 1]
+        if state[falls[0], 5] > 0:  # it rises first: at the height itself, that is no fall
+            start = brentq(lambda t: float(self._state(t)[5]), start, end, xtol=1e-13)
+        return float(brentq(lambda t: float(self._state(t)[2]) - height, start, end, xtol=1e-13))
 
     def _state(self, t: ArrayLike) -> NDArray[np.float64]:
         times = np.asarray(t, dtype=np.float64)

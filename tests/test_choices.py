@@ -41,10 +41,11 @@ def test_counts() -> None:
         PersonChoice(1, None, "x3 y3 y5", None, "psi6 psi7 psi8", 27),
     ]
     assert choices_summary(results) == [
-        "S_G chosen as the scenario says: 1 of 2 serves learned within 60 trials, median trial 30, "
-        "worst 30",
+        "S_G chosen as the scenario says: 1 of 2 serves learned within 60 trials, "
+        "those by trial 30 (median), 30 (worst)",
         "S_G chosen by norm: 0 of 2 serves learned within 60 trials",
-        "S_G chosen by ratio: 2 of 2 serves learned within 60 trials, median trial 26, worst 27",
+        "S_G chosen by ratio: 2 of 2 serves learned within 60 trials, those by trial 26 (median), "
+        "27 (worst)",
     ]
     nobody = choices_summary([])
     assert nobody[1] == "S_G chosen by norm: 0 of 0 serves learned within 60 trials"

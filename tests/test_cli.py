@@ -767,6 +767,23 @@ def test_sweep_in_json(command: Callable[..., Answer], tmp_path: Path) -> None:
     assert told["errors"] == 0
 
 
+def test_a_reader_that_leaves_is_not_a_task_that_was_not_learned(tmp_path: Path) -> None:
+    learning = subprocess.Popen(
+        [COMMAND, "learn", "serve", "--out", "run"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert learning.stdout is not None
+    assert learning.stderr is not None
+    assert learning.stdout.readline().startswith(b"trial   1")
+    learning.stdout.close()
+    assert learning.wait() == 141
+    assert learning.stderr.read() == b""
+    learning.stderr.close()
+    assert [r["trial"] for r in read_trials(tmp_path / "run")], "what is on record stays"
+
+
 # ---------------------------------------------------------------------------------- reproducing
 
 

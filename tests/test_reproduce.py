@@ -102,8 +102,9 @@ def test_a_larger_study_goes_on_and_stays(tmp_path: Path, counted: Counted) -> N
     made(tmp_path)
     said, _ = made(tmp_path, 5)
     assert "5 things, of which 2 are there" in said[0]
-    _, done = made(tmp_path, 2)
+    said, done = made(tmp_path, 2)
     assert done.unchanged
+    assert "(5 things, more than asked for)" in said[0]
     assert counted.made == [2, 5]
     assert (tmp_path / "runs" / "trials.jsonl").read_text() == "2\n5\n", "runs are kept"
 

@@ -186,7 +186,7 @@ FAILED = PersonResult(2, "landed", 0.04, 0.5, None, 60, "after 60 trials: missed
 def test_the_summary_counts_the_learned_and_their_trials() -> None:
     text = persons.summary([LEARNED, SLOW, FAILED])
     assert "2 of 3" in text
-    assert "median trial 34, worst 41" in text
+    assert "those by trial 34 (median), 41 (worst)" in text
     assert persons.summary([FAILED]).startswith("none of 1")
 
 

@@ -127,6 +127,6 @@ def test_a_field_that_no_trial_gave_is_named() -> None:
 def test_a_line_a_condition() -> None:
     rows = [row(0), row(2), row(4), row(1, error="x"), row(3, learned_at=13)]
     assert condition_summaries(table(*rows), 12) == [
-        "a  learned 1 of 3 within 12 trials, median trial 10",
-        "b  learned 1 of 2 within 12 trials, median trial 11, 1 ended with an error",
+        "a  learned 1 of 3 within 12 trials, those by trial 10 (median)",
+        "b  learned 1 of 2 within 12 trials, those by trial 11 (median), 1 ended with an error",
     ]

@@ -11,7 +11,6 @@ from progress_bars import Bars
 from drake_viapoint.reproduction import figure11, figure12, figure13
 from drake_viapoint.reproduction.findings import Findings, Verdict
 from drake_viapoint.reproduction.style import save
-from drake_viapoint.reproduction.upswing_comparison import upswing_comparison
 from drake_viapoint.reproduction.upswing_reproduction import reproduce_upswing
 from drake_viapoint.runs.run_folder import TRIALS, read_trials
 from drake_viapoint.tasks.catalogue import task_scenario
@@ -51,29 +50,17 @@ def test_what_the_paper_says_stands_beside_it(results: tuple[Path, Findings, Bar
     rows = {row.quantity: row for row in findings.comparisons}
     assert rows["a2 = Δ g / l of the pendulum"].verdict is Verdict.MATCHES
     assert rows["first trials, before anything is learned"].ours == "7"
-    kept, recorded = (read_trials(out / f"upswing_{way}") for way in ("fixed", "recorded"))
-    first = next(record["trial"] for record in kept if record["success"])
+    runs = [read_trials(out / f"upswing_{way}") for way in ("fixed", "manual", "recorded")]
+    first, again, soonest = (
+        next(record["trial"] for record in run if record["success"]) for run in runs
+    )
+    recorded = runs[-1]
     row = rows["Jacobian kept as first explored"]
     assert f"first succeeds at trial {first}, holds at trial 60" in row.ours
-    soonest = next(record["trial"] for record in recorded if record["success"])
-    assert row.verdict is (Verdict.MATCHES if first > soonest else Verdict.DIFFERS)
+    latest = first > max(again, soonest)
+    assert row.verdict is (Verdict.MATCHES if latest else Verdict.DIFFERS)
     assert recorded[29]["success"]
     assert rows["Jacobian estimated from the last 12 trials"].verdict is Verdict.MATCHES
-
-
-def test_another_run_gets_another_verdict(results: tuple[Path, Findings, Bars]) -> None:
-    out, _, _ = results
-    runs = {way: read_trials(out / f"upswing_{way}") for way in ("fixed", "manual", "recorded")}
-    best = {**runs, "fixed": runs["recorded"], "recorded": runs["fixed"][:15]}
-    rows = {row.quantity: row for row in upswing_comparison(task_scenario("upswing"), best)}
-    assert rows["Jacobian kept as first explored"].verdict is Verdict.DIFFERS
-    assert rows["Jacobian estimated from the last 12 trials"].verdict is Verdict.DIFFERS
-    changes = {"pendulum.length": 0.5}
-    rows = {
-        row.quantity: row
-        for row in upswing_comparison(task_scenario("upswing", None, changes), runs)
-    }
-    assert rows["a2 = Δ g / l of the pendulum"].verdict is Verdict.DIFFERS
 
 
 def test_a_second_call_does_no_trial_again(results: tuple[Path, Findings, Bars]) -> None:

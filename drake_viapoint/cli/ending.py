@@ -12,7 +12,7 @@ import click
 
 from drake_viapoint.errors import ViapointError
 
-LEARNED, NOT_LEARNED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+LEARNED, NOT_LEARNED, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 
 
 def run(command: click.Command) -> None:

@@ -58,6 +58,12 @@ def learn() -> None:
     """Learn a task, trial by trial, into a run folder.
 
     Exits with 0 if it was learned, 1 if not within the trials, 2 on bad input.
+
+    For example:
+
+    \b
+        drake-viapoint learn serve --out runs/first
+        drake-viapoint learn upswing --out runs/swing
     """
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import click
+
+from drake_viapoint.cli.ending import BROKEN_PIPE
 
 
 @dataclass(frozen=True)
@@ -37,8 +40,14 @@ class Output:
 
     def say(self, line: str) -> None:
         """Something on the way."""
-        if not self.silent:
+        if self.silent:
+            return
+        try:
             click.echo(line)
+        except BrokenPipeError:  # whoever read has left, as `head` does; click would exit with 1
+            # what is still to be flushed needs somewhere to go, or Python complains at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(BROKEN_PIPE)
 
     def result(self, data: Mapping[str, Any], lines: Iterable[str]) -> None:
         """What came of it: data for a script, lines for a person."""

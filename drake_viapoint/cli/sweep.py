@@ -73,12 +73,12 @@ def sweep(
         asked = read_study(study)
         hands = _workers(workers, scheduler, closing)
         bar = closing.enter_context(output.bar("runs", len(asked)))
-        began = False
+        began, there = False, 0
 
         def show(rows: Sequence[Mapping[str, Any]]) -> None:
-            nonlocal began
+            nonlocal began, there
             if not began:  # rows of an earlier sweep: time left is judged by what they took
-                began = True
+                began, there = True, len(rows)
                 bar.start -= sum(row["seconds"] or 0.0 for row in rows) / hands.number
             bar.update(len(rows))
 
@@ -93,6 +93,7 @@ def sweep(
         "never_given": unknown,
     }
     lines = [
+        *([f"{there} of {len(table)} runs were there"] if there else []),
         *condition_summaries(table, asked.max_trials),
         *(f"no trial gave {name}: is that what it is called?" for name in unknown),
         f"table in {out / TABLE}{runs}",

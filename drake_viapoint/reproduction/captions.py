@@ -38,7 +38,7 @@ PICTURES = {
             "Via-points of the demonstration and the minimum-jerk path through them: position x "
             "to the right, y ahead, z up, and the Z-Y-Z angles φ, θ, ψ of the racket.",
             "Six panels over time, one for each of x, y, z, φ, θ and ψ: the watched curve, the "
-            "via-points on it, and the path through them, which hides the watched curve.",
+            "via-points on it, and the path through them, which keeps close to it.",
         ),
         Picture(
             "figure5.png",
@@ -62,7 +62,7 @@ PICTURES = {
             "serve_views.png",
             "The serve in the simulation",
             "As our Fig. 6, by events instead of contact and without a robot's doubts: first "
-            "trial, the trial after which ball and face meet, and the end.",
+            "trial, the last trial that learned the throw, and the end.",
             "Three columns of three views, x-y, x-z and y-z: the arm as it hits, the racket, the "
             "ball's path and the goal; in the last column the ball ends in the goal.",
         ),
@@ -70,8 +70,9 @@ PICTURES = {
             "serve_curve.png",
             "Learning curve of the simulated serve",
             "As our Fig. 7, by events. " + _CURVE + "Below: what each trial was made for.",
-            "Two curves over the trials that fall below dotted bars, the landing after the throw; "
-            "below, marks of what each trial was made for.",
+            "Two curves over the trials: d, small from the start, and the landing, which falls "
+            "below its dotted bar once the throw is learned; below, marks of what each trial was "
+            "made for.",
         ),
         Picture(
             "figure9.png",
@@ -110,8 +111,8 @@ PICTURES = {
         Picture(
             "figure6.png",
             "Our Fig. 6",
-            "Three views of the simulated robot's serve: the first trial (left), the trial after "
-            "which ball and face meet (middle), and the last movement again and again (right). The "
+            "Three views of the simulated robot's serve: the first trial (left), the last trial "
+            "that learned the throw (middle), and the last movement again and again (right). The "
             "stick figure is the arm when it should hit.",
             "Three columns of three views, x-y, x-z and y-z: the arm as it hits, the racket, the "
             "paths of the ball and the goal; in the last column six paths lie close together.",
@@ -120,15 +121,17 @@ PICTURES = {
             "figure7.png",
             "Our Fig. 7",
             "Learning curve of the serve on the simulated robot: what happened, and what its "
-            "cameras saw. " + _CURVE + "Marks: exploration for J_H and for J_G. Below: all runs.",
-            "Two curves over the trials that fall below their bars, with exploration trials marked "
-            "below, and the same curves of all other runs.",
+            "cameras saw. " + _CURVE + "Where the landing leaps, the ball has jumped off the "
+            "goal's ring. Marks: exploration for J_H and for J_G. Below: all runs.",
+            "Two curves over the trials, and dots for what the cameras saw: d falls soon, the "
+            "landing later and with leaps; exploration trials are marked below, then come the same "
+            "curves of all runs.",
         ),
         Picture(
             "figure11.png",
             "Our Fig. 11",
             "The simulated robot of the upswing: the arm, the line along which its hand moves, and "
-            "the pendulum that hangs from the hand.",
+            "the pendulum in the hand, at an angle theta from the upright.",
             "The arm from the front and from the right, its hand on a horizontal line, a pendulum "
             "at an angle theta from the upright.",
         ),
@@ -169,8 +172,8 @@ PICTURES = {
             "Learning curves of many upswings",
             "The larger of the two errors, in tolerances, of every virtual person's run. Thin: "
             "single runs. Band and line: quartiles and median.",
-            "Six panels of bundled curves, for three ways and two executions, that fall below one "
-            "tolerance.",
+            "Six panels of bundled curves, for three ways and two executions: the medians fall "
+            "below one tolerance; where the Jacobian is explored again, each exploration is a peak.",
         ),
     )
 }

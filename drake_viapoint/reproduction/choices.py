@@ -132,7 +132,11 @@ def choices_summary(results: list[PersonChoice]) -> list[str]:
         ("by_ratio", "by ratio"),
     ):
         counts = [value for value in (getattr(r, name) for r in results) if value is not None]
-        median = f", median trial {np.median(counts):g}, worst {max(counts)}" if counts else ""
+        median = (
+            f", those by trial {np.median(counts):g} (median), {max(counts)} (worst)"
+            if counts
+            else ""
+        )
         lines.append(
             f"S_G chosen {what}: {len(counts)} of {len(results)} serves learned within "
             f"{MAX_TRIALS} trials{median}"
@@ -160,7 +164,7 @@ def choices_comparison(results: Sequence[PersonChoice]) -> tuple[Comparison, ...
             "converges stably",
             f"{by_ratio} of {number} persons' serves learned",
             judged(2 * by_ratio > number),
-            "" if by_ratio == number else "the rest leave the arm's reach",
+            "" if by_ratio == number else f"the rest were not within {MAX_TRIALS} trials",
         ),
     )
 

@@ -16,6 +16,7 @@ from scipy.stats import binomtest
 
 from drake_viapoint.errors import ViapointError
 from drake_viapoint.reproduction.run_curves import listed
+from drake_viapoint.reproduction.split_test import split_p_value
 from drake_viapoint.reproduction.trials_needed import trials_in_words, trials_percentile
 from drake_viapoint.runs.study import REPEATED
 
@@ -82,6 +83,7 @@ class PairedResult:
         p_value: Of so uneven a split, or more so, if neither were better (exact McNemar test).
         sooner: Pairs in which the one was learned at an earlier trial, or at all.
         later: Pairs in which the other was.
+        p_sooner: Of so uneven a split of these two, or more so, if neither were sooner (sign test).
     """
 
     condition: str
@@ -92,6 +94,7 @@ class PairedResult:
     p_value: float
     sooner: int
     later: int
+    p_sooner: float
 
 
 def check_columns(table: pd.DataFrame) -> None:
@@ -137,17 +140,17 @@ def paired(table: pd.DataFrame, condition: str, other: str, keys: Iterable[str])
     first, second = both["one"].to_numpy(), both["two"].to_numpy()
     only_this = int(np.sum(np.isfinite(first) & ~np.isfinite(second)))
     only_other = int(np.sum(~np.isfinite(first) & np.isfinite(second)))
-    differing = only_this + only_other
-    p_value = float(binomtest(only_this, differing).pvalue) if differing else 1.0
+    sooner, later = int(np.sum(first < second)), int(np.sum(first > second))
     return PairedResult(
         condition,
         other,
         len(both),
         only_this,
         only_other,
-        p_value,
-        int(np.sum(first < second)),
-        int(np.sum(first > second)),
+        split_p_value(only_this, only_other),
+        sooner,
+        later,
+        split_p_value(sooner, later),
     )
 
 
@@ -160,7 +163,7 @@ def summary(result: ConditionResult) -> str:
         f"{trials_in_words(result.percentile_90)}; {result.wasted:.1f} exploration trials wasted; "
         "afterwards "
         f"{100 * result.residual:.1f} cm from the goal, of which the disturbance alone makes "
-        f"{100 * result.floor:.1f} cm ({result.lost} runs end with a ball that never lands); "
+        f"{100 * result.floor:.1f} cm (no ball lands in the end in {result.lost} runs); "
         f"{result.held:.0%} of repeats succeed"
     )
 
@@ -171,7 +174,7 @@ def paired_summary(result: PairedResult) -> str:
         f"{result.condition} against {result.other}, {result.pairs} pairs of runs: only the first "
         f"learned in {result.only_this}, only the second in {result.only_other} "
         f"(p = {result.p_value:.2g}); the first was sooner in {result.sooner}, later in "
-        f"{result.later}"
+        f"{result.later} (p = {result.p_sooner:.2g})"
     )
 
 

@@ -42,7 +42,7 @@ def draw(task: ServeTask, first: ServeTrial) -> Figure:
             ax.plot(value[i], value[2], "o", color=VIA_POINT, ms=4, label=label)
             ax.annotate(str(number), value[[i, 2]], (3, 3), textcoords="offset points", fontsize=7)
         ax.plot(ball[0, i], ball[0, 2], "o", color=BALL, ms=7, label="ball, in the cup")
-        ax.plot(ball[:, i], ball[:, 2], color=BALL, lw=0.9, ls=":", label="its path, first trial")
+        ax.plot(ball[:, i], ball[:, 2], color=BALL, lw=1.6, ls=":", label="its path, first trial")
         draw_goal(ax, task, i, 2)
         ax.set_aspect("equal", adjustable="box")
         ax.set_xlim(*_SHOWN[i])

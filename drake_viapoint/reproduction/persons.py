@@ -131,7 +131,7 @@ def summary(results: Sequence[PersonResult]) -> str:
         return f"none of {len(results)} virtual persons' serves was learned"
     return (
         f"{len(counts)} of {len(results)} virtual persons' serves learned within {MAX_TRIALS} "
-        f"trials: median trial {np.median(counts):g}, worst {max(counts)}"
+        f"trials, those by trial {np.median(counts):g} (median), {max(counts)} (worst)"
     )
 
 

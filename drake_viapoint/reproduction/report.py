@@ -21,6 +21,11 @@ from drake_viapoint.reproduction.ledger import Entry
 
 PAGE = "index.html"
 
+_SUMMED = {
+    Verdict.MATCHES: "of our numbers match the paper's",
+    Verdict.DIFFERS: "differ",
+    Verdict.NOT_COMPARABLE: "cannot be compared",
+}
 _TEMPLATE = "report.html.jinja"
 
 
@@ -59,7 +64,7 @@ def report(out: Path, entries: Mapping[str, Entry | None]) -> str:
     rows = [row for part in parts for row in part["comparisons"]]
     return environment.get_template(_TEMPLATE).render(
         parts=parts,
-        verdicts=[(verdict.value, _count(rows, verdict)) for verdict in Verdict],
+        verdicts=[(words, _count(rows, verdict)) for verdict, words in _SUMMED.items()],
         machine=f"{platform.system()} {platform.machine()}",
     )
 

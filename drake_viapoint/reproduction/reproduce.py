@@ -115,7 +115,8 @@ def _plan(ledger: Ledger, experiment: Experiment, size: int, source: str) -> _Pl
     if entry.source != source:
         why = "drawn anew, as the package's code has changed; its runs are kept"
         return _Plan(experiment, depends, entry.size, 0, why)
-    why = "nothing has changed, so it is not done again"
+    larger = f" ({entry.size} {experiment.unit}, more than asked for)" if size < entry.size else ""
+    why = f"nothing has changed, so it is not done again{larger}"
     return _Plan(experiment, depends, entry.size, 0, why, kept=entry)
 
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
-from drake_viapoint.reproduction.findings import Comparison, judged
-from drake_viapoint.reproduction.upswing_study import WayResult
+from drake_viapoint.reproduction.findings import Comparison, Verdict, judged
+from drake_viapoint.reproduction.split_test import SURE, split_p_value
+from drake_viapoint.reproduction.upswing_study import MAX_TRIALS, PersonRun
 from drake_viapoint.tasks.flight import GRAVITY
 from drake_viapoint.tasks.upswing_scenario import UpswingScenario
 
 _LAST = 30  # trial of Fig. 14
 _HELD = 3
+_WAYS = {"fixed": "kept", "manual": "by hand", "recorded": "estimated"}  # in the paper's order
 
 
 def upswing_comparison(
@@ -56,11 +59,9 @@ def upswing_comparison(
             "3.3.2, Fig. 13",
             "very late or unstable",
             _course(kept),
-            judged(_later(kept, recorded)),
-            "late, but not unstable: how sharply the ways differ hangs on constants that the paper "
-            "does not give"
-            if _later(kept, recorded)
-            else "",
+            judged(_later(kept, recorded) and _later(kept, manual)),
+            "how sharply the ways differ hangs on constants that the paper does not give, and on "
+            "the person",
         ),
         Comparison(
             "Jacobian explored again by hand",
@@ -80,28 +81,37 @@ def upswing_comparison(
     )
 
 
-def upswing_persons_comparison(results: Sequence[WayResult]) -> tuple[Comparison, ...]:
-    """The three ways, from many virtual persons, in each execution."""
-    rows = []
-    for execution in dict.fromkeys(result.execution for result in results):
-        by_way = {r.way: r for r in results if r.execution == execution}
-        held = [by_way[way].held_at_60 for way in ("fixed", "manual", "recorded")]
-        number = by_way["recorded"].persons
-        said = ", ".join(
-            f"{words} {share:.0%}"
-            for words, share in zip(("kept", "by hand", "estimated"), held, strict=True)
-        )
-        rows.append(
-            Comparison(
-                f"order of the three ways ({execution})",
-                "3.3.2, Fig. 13",
-                "kept, by hand, estimated; one person",
-                f"held at trial 60, of {number} persons: {said}",
-                judged(held[0] < held[2] and held == sorted(held)),
-                "less sharp than the paper shows it: where the kept Jacobian does, it does as well",
-            )
-        )
-    return tuple(rows)
+def upswing_persons_comparison(runs: Sequence[PersonRun]) -> tuple[Comparison, ...]:
+    """The order of the three ways, in each execution, judged by pairs of runs of one person."""
+    return tuple(
+        _order(execution, [run for run in runs if run.execution == execution])
+        for execution in dict.fromkeys(run.execution for run in runs)
+    )
+
+
+def _order(execution: str, runs: Sequence[PersonRun]) -> Comparison:
+    held = {
+        way: {run.person: run.held(MAX_TRIALS) for run in runs if run.way == way} for way in _WAYS
+    }
+    shares = [sum(held[way].values()) / len(held[way]) for way in _WAYS]
+    tests = []
+    for worse, better in pairwise(_WAYS):
+        gained = sum(held[better][person] and not held[worse][person] for person in held[worse])
+        lost = sum(held[worse][person] and not held[better][person] for person in held[worse])
+        tests.append((worse, better, split_p_value(gained, lost)))
+    told = all(p_value < SURE for _, _, p_value in tests)
+    said = ", ".join(
+        f"{words} {share:.1%}" for words, share in zip(_WAYS.values(), shares, strict=True)
+    )
+    pairs = "; ".join(f"{_WAYS[a]} against {_WAYS[b]}: p = {p:.2g}" for a, b, p in tests)
+    return Comparison(
+        f"order of the three ways ({execution})",
+        "3.3.2, Fig. 13",
+        "kept, by hand, estimated; one person",
+        f"held at trial {MAX_TRIALS}, of {len(held['fixed'])} persons: {said}",
+        judged(shares == sorted(shares)) if told else Verdict.NOT_COMPARABLE,
+        pairs if told else f"so many persons do not tell every two of them apart; {pairs}",
+    )
 
 
 def _course(records: Sequence[Mapping[str, Any]]) -> str:
@@ -114,7 +124,8 @@ def _error(record: Mapping[str, Any]) -> str:
     if record["T"] is None:
         return "no end"
     angle, speed = (is_ - should for is_, should in zip(record["T"], record["Td"], strict=True))
-    return f"{angle:+.2f} rad, {speed:+.2f} rad/s off"
+    # adding zero takes the sign from what is rounded to it
+    return f"{round(angle, 2) + 0.0:+.2f} rad, {round(speed, 2) + 0.0:+.2f} rad/s off"
 
 
 def _holds(records: Sequence[Mapping[str, Any]]) -> bool:

@@ -107,7 +107,7 @@ def reproduce_upswing_persons(out: Path, persons: int, progress: Progress) -> Fi
         lines=tuple(map(summary, results)),
         where=(f"table in {table}, pictures in {success} and {curves}",),
         pictures=captioned(success.name, curves.name),
-        comparisons=upswing_persons_comparison(results),
+        comparisons=upswing_persons_comparison(runs),
         tables=(table.name,),
         seeds="0, of every run",
     )

@@ -120,7 +120,7 @@ def condition_summaries(frame: pd.DataFrame, max_trials: int) -> list[str]:
     for condition, rows in frame.groupby("condition", sort=False):
         learned = rows["learned_at"].dropna()
         learned = learned[learned <= max_trials]
-        median = f", median trial {learned.median():g}" if len(learned) else ""
+        median = f", those by trial {learned.median():g} (median)" if len(learned) else ""
         errors = int(rows["error"].notna().sum())
         ended = f", {errors} ended with an error" if errors else ""
         lines.append(

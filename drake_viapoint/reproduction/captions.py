@@ -173,7 +173,7 @@ PICTURES = {
             "The larger of the two errors, in tolerances, of every virtual person's run. Thin: "
             "single runs. Band and line: quartiles and median.",
             "Six panels of bundled curves, for three ways and two executions: the medians fall "
-            "below one tolerance; where the Jacobian is explored again, each exploration is a peak.",
+            "below one tolerance; where the Jacobian is explored again, explorations are peaks.",
         ),
     )
 }

@@ -156,7 +156,7 @@ def test_a_study_is_swept_and_grows(tmp_path: Path) -> None:
     assert "recorded against kept, 3 pairs of runs" in text
     for choice in ("S_H by norm", "S_G by norm", "S_G by ratio"):
         assert f"{choice}:" in text
-    check_clean(notebook, tmp_path, pictures=4)
+    check_display(notebook, tmp_path, pictures=4)
 
 
 def numbers(text: str) -> list[float]:

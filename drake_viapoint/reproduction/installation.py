@@ -40,7 +40,7 @@ class Check:
         name: Of what was looked at.
         ok: Whether it is as it should be.
         detail: What was found, in words.
-        needed: Whether the package does without it.
+        needed: Whether the package cannot do without it.
     """
 
     name: str

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,6 +27,9 @@ from drake_viapoint.demonstration.impact import find_impact
 from drake_viapoint.demonstration.marker_recording import MarkerRecording
 from drake_viapoint.demonstration.markers import read_markers
 from drake_viapoint.packages import resolve
+from drake_viapoint.reproduction.experiments import BY_NAME
+from drake_viapoint.reproduction.findings import Comparison, Findings, Verdict
+from drake_viapoint.reproduction.progress import Progress
 from drake_viapoint.runs import task_run
 from drake_viapoint.runs.run_folder import SCENARIO, TRIALS, read_trials
 from drake_viapoint.runs.study_table import read_table
@@ -757,16 +761,6 @@ def test_quiet_is_quiet_but_errors_are_said(command: Callable[..., Answer]) -> N
         assert again.out == ""
 
 
-def test_sweep_in_json(command: Callable[..., Answer], tmp_path: Path) -> None:
-    told = json.loads(
-        command("sweep", study_file(tmp_path / "study.yaml"), "--out", "swept", "--json").out
-    )
-    table = read_table(tmp_path / "swept")
-    assert told["runs"] == len(table)
-    assert told["learned"] == int(table["learned_at"].notna().sum())
-    assert told["errors"] == 0
-
-
 def test_a_reader_that_leaves_is_not_a_task_that_was_not_learned(tmp_path: Path) -> None:
     learning = subprocess.Popen(
         [COMMAND, "learn", "serve", "--out", "run"],
@@ -788,20 +782,30 @@ def test_a_reader_that_leaves_is_not_a_task_that_was_not_learned(tmp_path: Path)
 
 
 def test_reproduce_says_where_everything_is_and_does_it_once(
-    command: Callable[..., Answer], tmp_path: Path
+    command: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    row = Comparison("it", "3.3", "so", "so", Verdict.MATCHES)
+
+    def make(out: Path, size: int, progress: Progress) -> Findings:
+        with progress("making it", size) as bar:
+            bar.update(size)
+        (out / "it.csv").write_text("it\n")
+        return Findings(("it is made",), comparisons=(row,), tables=("it.csv",))
+
+    quick = replace(BY_NAME["upswing"], make=make)
+    monkeypatch.setitem(BY_NAME, "upswing", quick)
     words = ("reproduce", "--out", "results", "--only", "upswing")
     answer = command(*words)
     assert (answer.code, answer.err) == (0, "")
+    assert "  it is made\n" in answer.out
     assert answer.out.endswith(f"everything is on {Path('results', 'index.html')}\n")
     told = json.loads(command(*words, "--json").out)
     assert told["page"] == str(Path("results", "index.html"))
     (experiment,) = told["experiments"]
     assert experiment["unchanged"]
-    assert all((tmp_path / file).is_file() for file in experiment["files"])
-    assert {row["verdict"] for row in experiment["comparisons"]} <= {
-        "matches", "differs", "cannot be compared"
-    }  # fmt: skip
+    assert experiment["files"] == [str(Path("results", "it.csv"))]
+    assert experiment["comparisons"][0]["verdict"] == "matches"
+    assert (tmp_path / told["page"]).read_text().count("it is made") == 1
     assert "(1 of 1 experiments were as before)" in command(*words).out
 
 
@@ -969,6 +973,11 @@ def test_sweep_as_its_help_says(command: Callable[..., Answer], tmp_path: Path) 
     before = (tmp_path / "out" / "results.jsonl").read_bytes()
     assert command(*line).out.splitlines()[-3:] == [fixed, recorded, last]
     assert (tmp_path / "out" / "results.jsonl").read_bytes() == before
+    told = json.loads(command(*line, "--json").out)
+    table = read_table(tmp_path / "out")
+    assert told["runs"] == len(table) == 12
+    assert told["learned"] == int(table["learned_at"].notna().sum())
+    assert (told["errors"], told["never_given"]) == (0, [])
     bare = command("sweep", study, "--out", "bare", "--workers", "1", "--no-folders")
     assert bare.out.splitlines()[-1] == "table in bare/table.parquet"
     assert {path.name for path in (tmp_path / "bare").iterdir()} == {

@@ -298,3 +298,13 @@ def test_what_stands_around_changes_nothing(task: Touch, tmp_path: Path) -> None
     trial = Touch(scene).execute(task.via_points, 0)
     assert isinstance(trial, ArmTrial)
     assert_allclose(trial.results["T"].realized, task.execute(task.via_points, 0).results["T"][0])
+
+
+def test_an_arm_among_surroundings_is_the_controllers(tmp_path: Path) -> None:
+    around = own_package(tmp_path) / "six_joint_arm_with_pointer.dmd.yaml"
+    assert ArmScene(WITH_POINTER, "tip", surroundings=str(around)).arm.num_joints == 6
+    text = around.read_text()
+    assert "J2: [" in text
+    around.write_text(text.replace("J2: [", "J2: [1"))
+    with pytest.raises(ScenarioError, match="arm of surroundings: angle at rest of J2"):
+        ArmScene(WITH_POINTER, "tip", surroundings=str(around))

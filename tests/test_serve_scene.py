@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from own_package import own_package
+from own_package import NAME, own_package
 from pydrake.multibody.plant import MultibodyPlant
 
-from drake_viapoint.errors import ModelFileError
+from drake_viapoint.errors import ModelFileError, ScenarioError
 from drake_viapoint.packages import models_path
 from drake_viapoint.tasks.catalogue import build_task
 from drake_viapoint.tasks.serve_scenario import ServeScenario
@@ -139,6 +139,89 @@ def test_a_scene_without_its_arms_joints_is_refused(tmp_path: Path) -> None:
     scenario.scene = str(file)
     with pytest.raises(ModelFileError, match="empty"):
         ServeScene(scenario)
+
+
+SIX = "package://drake_viapoint/six_joint_"
+SEVEN_NAMES, SIX_NAMES = "SFE SAA HR EB WR WFE WAA", "J1 J2 J3 J4 J5 J6"
+
+
+@pytest.mark.parametrize("execution", ["event", "contact"])
+@pytest.mark.parametrize(
+    ("key", "address", "fault"),
+    [
+        ("directives", f"{SIX}arm_with_racket.dmd.yaml", (SIX_NAMES, SEVEN_NAMES)),
+        ("scene", f"{SIX}serve.dmd.yaml", (SEVEN_NAMES, SIX_NAMES)),
+    ],
+)
+def test_two_arms_are_refused(
+    execution: str, key: str, address: str, fault: tuple[str, str]
+) -> None:
+    """One key changed, and the other forgotten."""
+    scenario = ServeScenario(execution=execution)
+    setattr(scenario.robot if key == "directives" else scenario, key, address)
+    with pytest.raises(ScenarioError) as caught:
+        ServeScene(scenario)
+    assert str(caught.value) == (
+        f"the arm of robot.directives ({fault[0]}) is not the arm of scene ({fault[1]}); change "
+        "robot.directives and scene together"
+    )
+
+
+ARM_FILE, URDF = "config/arm_with_racket.dmd.yaml", "arm/arm.urdf"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "fault"),
+    [
+        (ARM_FILE, "[-0.28284, 0.0", "[-0.28284, 0.1", r"at rest racket is at \(.*\) m and at "),
+        (ARM_FILE, "72.81120741827469", "73.0", r"at rest racket is at \(.*\) m and at "),
+        (ARM_FILE, "SAA: [-0.3]", "SAA: [-0.2]", "angle at rest of SAA -0.2 and -0.3"),
+        (URDF, 'velocity="', 'velocity="1', "greatest speed of SFE"),
+        (URDF, 'lower="-', 'lower="-1', "lower limit of SFE"),
+        (URDF, '<mass value="', '<mass value="1', "mass of .* kg and "),
+    ],
+)
+def test_an_arm_that_differs_from_the_scenes_is_refused(
+    tmp_path: Path, file: str, old: str, new: str, fault: str
+) -> None:
+    """The same joints, but not the same place, rest, limits or mass."""
+    changed = own_package(tmp_path).parent / file
+    text = changed.read_text()
+    assert old in text
+    changed.write_text(text.replace(old, new))
+    scenario = ServeScenario()
+    scenario.robot.directives = str(tmp_path / NAME / ARM_FILE)
+    with pytest.raises(ScenarioError, match=f"is not the arm of scene: {fault}"):
+        ServeScene(scenario)
+
+
+def test_a_tool_turned_about_its_centre_is_refused(tmp_path: Path) -> None:
+    """Where the tool is does not show it, and its angle is said."""
+    scenario = ServeScenario()
+    scenario.robot.directives = str(own_package(tmp_path) / "arm_with_racket.dmd.yaml")
+    racket = tmp_path / NAME / "racket" / "racket.urdf"
+    turned = '<frame name="blade" link="racket" xyz="0 0 0" rpy="0 0 {}"/></robot>'
+    scenario.robot.tool_frame = "blade"
+    for angle in (0.0, 0.3):
+        scene = own_package(tmp_path / f"scene{angle}") / "serve.dmd.yaml"
+        scenario.scene = str(scene)
+        text = (models_path() / "racket" / "racket.urdf").read_text()
+        for file, by in ((racket, 0.0), (scene.parents[1] / "racket" / "racket.urdf", angle)):
+            file.write_text(text.replace("</robot>", turned.format(by)))
+        if angle:
+            with pytest.raises(ScenarioError, match=r"at rest blade is turned by 0\.3 rad"):
+                ServeScene(scenario)
+        else:
+            ServeScene(scenario)
+
+
+def test_a_tool_that_the_scene_lacks_is_named_without_all_there_are() -> None:
+    scenario = ServeScenario()
+    scenario.robot.directives = "package://drake_viapoint/arm_with_axle.dmd.yaml"
+    scenario.robot.tool_frame = "axle"
+    with pytest.raises(ModelFileError, match="'axle'") as caught:
+        ServeScene(scenario)
+    assert len(str(caught.value)) < 150
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import JacobianWrtVariable, Joint, ModelInstanceIndex
 
 from drake_viapoint.errors import ModelFileError
 from drake_viapoint.robot.directives import add_directives
@@ -63,10 +63,8 @@ class Arm:
             raise ModelFileError(str(directives), f"no frame named {tool_frame!r}")
         self._tool = plant.GetFrameByName(tool_frame)
         self._context = plant.CreateDefaultContext()
-        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
-        moving = sorted((j for j in joints if j.num_velocities()), key=lambda j: j.velocity_start())
-        self._joints = moving
-        self.joint_names: tuple[str, ...] = tuple(joint.name() for joint in moving)
+        self._joints = moving_joints(plant)
+        self.joint_names: tuple[str, ...] = tuple(joint.name() for joint in self._joints)
         self.limits = JointLimits(
             plant.GetPositionLowerLimits(),
             plant.GetPositionUpperLimits(),
@@ -124,6 +122,20 @@ class Arm:
             world,
         )
         return jacobian
+
+
+def moving_joints(plant: MultibodyPlant, instance: ModelInstanceIndex | None = None) -> list[Joint]:
+    """Joints that move, of a model or of all; in the order of the angles, once finalised.
+
+    Args:
+        plant: What has them.
+        instance: The model; all if None.
+    """
+    indices = plant.GetJointIndices() if instance is None else plant.GetJointIndices(instance)
+    moving = [joint for joint in map(plant.get_joint, indices) if joint.num_velocities()]
+    if plant.is_finalized():
+        moving.sort(key=lambda joint: joint.velocity_start())
+    return moving
 
 
 def load_plant(directives: Path, time_step: float = 0.0) -> MultibodyPlant:

@@ -22,6 +22,7 @@ from drake_viapoint.robot.step_log import ArmLog
 from drake_viapoint.robot.stepping import Stepping
 from drake_viapoint.robot.tracking import Tracking
 from drake_viapoint.tasks.arm_unknown import UnknownArm
+from drake_viapoint.tasks.same_arm import ArmSources, require_same_arm
 from drake_viapoint.tasks.scene import add_models, add_plant, scene_path
 
 
@@ -56,7 +57,8 @@ class ArmScene:
 
     Raises:
         ModelFileError: A model cannot be read, a joint has no actuator, no frame has the name.
-        ScenarioError: An unknown is out of its bounds.
+        ScenarioError: An unknown is out of its bounds, or the arm of ``surroundings`` is not the
+            one of ``directives``.
     """
 
     def __init__(
@@ -89,6 +91,9 @@ class ArmScene:
         self.instance = _actuated(self.plant, self.arm, surroundings or directives)
         add_viscous_friction(self.plant, self.instance, unknown.viscous_friction * effort)
         self.plant.Finalize()
+        if surroundings is not None:
+            sources = ArmSources("directives", "surroundings")
+            require_same_arm(self.arm, self.plant, self.instance, tool_frame, sources)
         self.tracking = Tracking(builder, self.plant, self.instance, self.arm, natural_frequency)
         self.diagram = builder.Build()
         self.diagram.set_name("arm")

@@ -13,6 +13,7 @@ from drake_viapoint.errors import ModelFileError
 from drake_viapoint.robot.arm import Arm
 from drake_viapoint.robot.tracking import Tracking
 from drake_viapoint.tasks.carried_ball import Cup
+from drake_viapoint.tasks.same_arm import ArmSources, require_same_arm, require_same_joints
 from drake_viapoint.tasks.scene import add_models, add_plant
 from drake_viapoint.tasks.scene import scene_path as scene_path
 from drake_viapoint.tasks.serve_scenario import ServeScenario
@@ -44,6 +45,7 @@ class ServeScene:
 
     Raises:
         ModelFileError: A model cannot be read, or lacks the arm, a frame or the ball.
+        ScenarioError: The arm of ``robot.directives`` is not the one of ``scene``.
     """
 
     touches = False
@@ -56,12 +58,14 @@ class ServeScene:
         add_models(self.plant, scenario.scene)
         try:
             self.instance = self.plant.GetModelInstanceByName(scenario.robot.arm)
+            require_same_joints(self.arm, self.plant, self.instance, ArmSources())
             self.ball = self.plant.GetBodyByName(scenario.ball.body)
             self.cup_frame = self.plant.GetFrameByName(scenario.robot.cup_frame)
             self.racket_frame = self.plant.GetFrameByName(scenario.robot.tool_frame)
             self.ring_frame = self.plant.GetFrameByName(scenario.ring_frame)
         except RuntimeError as error:
-            raise ModelFileError(scenario.scene, " ".join(str(error).split())) from error
+            reason = " ".join(str(error).partition(" (valid names")[0].split())
+            raise ModelFileError(scenario.scene, reason) from error
         self._carry = self.plant.AddJoint(
             QuaternionFloatingJoint("carry", self._ball_inboard(), self.ball.body_frame())
         )
@@ -72,6 +76,8 @@ class ServeScene:
         )
         self._before_finalizing(scenario)
         self.plant.Finalize()
+        tool = scenario.robot.tool_frame
+        require_same_arm(self.arm, self.plant, self.instance, tool, ArmSources())
         self.tracking = Tracking(
             builder, self.plant, self.instance, self.arm, scenario.robot.natural_frequency
         )

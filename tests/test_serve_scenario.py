@@ -306,3 +306,26 @@ def test_the_robots_scenario_is_section_2_1s() -> None:
     assert (cameras.see, cameras.rate) == ("samples", 60.0)
     assert 0.005 <= cameras.noise * math.sqrt(3) <= 0.010
     assert scenario.unknown.inertia == 0.05
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "component", "last"),
+    [
+        ("learning: {throw: {control: [x3, x99]}}", "throw", "x99", "psi8"),
+        ("learning: {strike: {control: [phi]}}", "strike", "phi", "psi8"),
+        ("learning: {strike: {control: [phi06]}}", "strike", "phi06", "psi8"),
+        ("demonstration: {via_points: 2}", "throw", "x3", "psi2"),
+        ("demonstration: {via_points: 6}", "strike", "phi7", "psi6"),
+    ],
+)
+def test_a_component_there_is_not_is_named_with_its_key(
+    tmp_path: Path, text: str, key: str, component: str, last: str
+) -> None:
+    file = tmp_path / "serve.yaml"
+    file.write_text(f"task: serve\n{text}\n")
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(file, ServeScenario)
+    message = str(caught.value)
+    start = f"{file}: learning.{key}.control: there is no component {component}; there are x, y, z"
+    assert message.startswith(start)
+    assert message.endswith(last)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -27,6 +28,8 @@ class Scenario(Protocol):
         """Check every value against its bounds; raises ScenarioError."""
         ...
 
+
+_COMPONENT = re.compile(r"(?P<name>[a-z]+)(?P<number>[1-9][0-9]{0,8})")
 
 S = TypeVar("S", bound=Scenario)
 
@@ -122,6 +125,27 @@ def require_not_negative(key: str, value: float) -> None:
 def require_one_of(key: str, value: str, choices: tuple[str, ...]) -> None:
     """Raise a ScenarioError unless the value is one of the choices."""
     require(value in choices, key, value, f"must be {' or '.join(choices)}")
+
+
+def require_components(
+    key: str, control: Sequence[str], names: Sequence[str], via_points: int
+) -> None:
+    """Raise a ScenarioError unless each component is one of the movement's.
+
+    Args:
+        key: Where they are said.
+        control: The components, such as ``x3``.
+        names: Of the dimensions.
+        via_points: How many there are.
+    """
+    for component in control:
+        match = _COMPONENT.fullmatch(component)
+        if not match or match["name"] not in names or int(match["number"]) > via_points:
+            raise ScenarioError(
+                f"{key}: there is no component {component}; there are {', '.join(names)} of "
+                f"via-points 1 to {via_points} (demonstration.via_points), {names[0]}1 to "
+                f"{names[-1]}{via_points}"
+            )
 
 
 def validate_simulation(

@@ -10,9 +10,11 @@ from dataclasses import dataclass, field
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
+from drake_viapoint.robot.retargeting import POSE_NAMES
 from drake_viapoint.tasks.jacobian_scenario import JacobianScenario
 from drake_viapoint.tasks.scenario import (
     require,
+    require_components,
     require_not_negative,
     require_one_of,
     require_positive,
@@ -244,6 +246,12 @@ class ServeScenario:
             require_positive(f"learning.{name}.gain", subtask.gain)
             require_not_negative(f"learning.{name}.regularization", subtask.regularization)
             require(bool(subtask.control), f"learning.{name}.control", [], "must not be empty")
+            require_components(
+                f"learning.{name}.control",
+                subtask.control,
+                POSE_NAMES,
+                self.demonstration.via_points,
+            )
         require_positive("learning.position_perturbation", learning.position_perturbation)
         require_positive("learning.angle_perturbation", learning.angle_perturbation)
         learning.jacobian.validate("learning.jacobian")

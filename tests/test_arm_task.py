@@ -1,5 +1,6 @@
 """Tasks of an arm that follows a path, by way of one of ten lines: touch a place at a moment."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,9 @@ def test_torques_are_clamped_at_the_efforts_and_speeds_reported() -> None:
             self.place = np.zeros(3)
             ArmTask.__init__(self, scene, TIMES / 8, path, via_points=5)
 
+        def learns(self):
+            return [self.correction("T", self.nearest(MOMENT / 8), tolerance=0.005)]
+
     trial = Hasty().execute(Hasty().via_points, 0)
     assert trial.saturated
     assert set(trial.saturated) | set(trial.beyond_limits) <= set(scene.arm.joint_names)
@@ -198,6 +202,47 @@ def test_a_variable_that_is_not_measured() -> None:
     task = Forgetful(ArmScene(WITH_POINTER, "tip"))
     with pytest.raises(OutcomeError, match="touch: T was not measured, only U"):
         task.execute(task.via_points, 0)
+
+
+@pytest.mark.parametrize(
+    ("measured", "fault"),
+    [
+        ({"T": Result(np.zeros(2), np.zeros(3))}, "T: realized and desired .* (2,) and (3,)"),
+        ({"T": Result(np.zeros((3, 1)), np.zeros(3))}, "T: realized .* got shape (3, 1)"),
+        ({"T": Result(np.zeros(3), np.zeros((1, 3)))}, "T: desired .* got shape (1, 3)"),
+        ({"T": Result(0.1, np.zeros(3))}, "T: realized .* got shape ()"),
+        ({"T": Result(None, 0.1)}, "T: desired .* got shape ()"),
+        ({"T": Result(np.zeros(0), np.zeros(0))}, "T: desired .* got shape (0,)"),
+        ({"T": Result(["a", "b"], np.zeros(2))}, "T: realized .* got list"),
+        ({"T": Result(np.zeros(2), np.zeros(2))}, "T must have 3 values, .* got shape (2,)"),
+        ({"T": 0.1}, "T must be a Result(realized=..., desired=...), got float"),
+        ({"T": np.zeros(3)}, "T must be a Result(realized=..., desired=...), got ndarray"),
+        ({"T": Result(np.zeros(3), np.zeros(3)), "U": 1}, "U must be a Result(.*), got int"),
+        (Result(np.zeros(3), np.zeros(3)), "measure must return results by name, got Result"),
+        (None, "measure must return results by name, got NoneType"),
+    ],
+)
+def test_what_is_measured_is_checked(measured: object, fault: str) -> None:
+    class Odd(Touch):
+        def learns(self):
+            return [self.correction("T", self.nearest(MOMENT), tolerance=(0.005,) * 3)]
+
+        def measure(self, _tool, _rng):
+            return measured
+
+    task = Odd(ArmScene(WITH_POINTER, "tip"))
+    pattern = ".*".join(map(re.escape, fault.split(".*")))
+    with pytest.raises(OutcomeError, match=f"^touch: {pattern}"):
+        task.execute(task.via_points, 0)
+
+
+def test_lists_are_vectors_too() -> None:
+    class Listed(Touch):
+        def measure(self, _tool, _rng):
+            return {"T": Result([0.0, 0.0, 0.001], [0, 0, 0])}
+
+    task = Listed(ArmScene(WITH_POINTER, "tip"))
+    assert task.execute(task.via_points, 0).record()["success"]
 
 
 def test_a_component_there_is_not() -> None:
@@ -282,8 +327,17 @@ def test_a_success_is_within_the_tolerance(task: Touch) -> None:
 
 
 def test_the_nearest_via_point_is_between_the_ends(task: Touch) -> None:
-    for time, number in ((-1.0, 2), (MOMENT, 3), (99.0, 4)):
+    for time, number in ((0.0, 2), (MOMENT, 3), (1.6, 4)):
         assert task.nearest(time, ("x", "phi")) == (f"x{number}", f"phi{number}")
+
+
+@pytest.mark.parametrize("time", [-1.0, 1.7, 99.0, float("nan")])
+def test_no_via_point_is_near_a_time_beyond_the_movement(task: Touch, time: float) -> None:
+    with pytest.raises(ViaPointsError) as caught:
+        task.nearest(time)
+    assert str(caught.value) == (
+        f"touch: no via-point is near {time:g} s, the movement is from 0 s to 1.6 s"
+    )
 
 
 def test_what_stands_around_changes_nothing(task: Touch, tmp_path: Path) -> None:

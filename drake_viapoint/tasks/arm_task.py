@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_viapoint.errors import BrokenOffError, OutcomeError, ViaPointsError
+from drake_viapoint.errors import BrokenOffError, ViaPointsError
 from drake_viapoint.learning.ask_tell import Outcome
 from drake_viapoint.learning.gain import ConstantGain
 from drake_viapoint.learning.subtask import Subtask
@@ -25,11 +25,20 @@ from drake_viapoint.robot.inverse_kinematics import InverseKinematics
 from drake_viapoint.robot.retargeting import POSE_NAMES, Retargeting
 from drake_viapoint.tasks.arm_movement import ArmMovements
 from drake_viapoint.tasks.arm_scene import ArmScene
-from drake_viapoint.tasks.arm_trial import ArmTrial, HeldTool, Result, desired_name
+from drake_viapoint.tasks.arm_trial import (
+    ArmTrial,
+    HeldTool,
+    Result,
+    checked_results,
+    desired_name,
+)
 from drake_viapoint.tasks.trial import FAILED, RefusedTrial, recorded_vector
 
 _LEVER = 0.3
 """Makes angles comparable with positions in the extraction [m/rad], as the serve does."""
+
+_ROUNDED = 1e-9
+"""By so much a time may be beyond an end [s]."""
 
 
 class ArmTask(ABC):
@@ -100,6 +109,7 @@ class ArmTask(ABC):
             rotation_threshold=rotation_threshold,
         )
         self._variables = tuple(subtask.task_variable for subtask in self.subtasks)
+        self._lengths = {subtask.task_variable: _length(subtask) for subtask in self.subtasks}
         self._movement = ArmMovements(self.retargeting, self._variables)
 
     @abstractmethod
@@ -135,8 +145,14 @@ class ArmTask(ABC):
             names: Of x, y, z, phi, theta and psi.
 
         Raises:
-            ViaPointsError: There are only the ends.
+            ViaPointsError: The time is not within the movement, or there are only the ends.
         """
+        start, end = self.via_points.times[[0, -1]].tolist()
+        if not start - _ROUNDED <= time <= end + _ROUNDED:
+            raise ViaPointsError(
+                f"{self.name}: no via-point is near {time:g} s, the movement is from {start:g} s "
+                f"to {end:g} s"
+            )
         between = self.via_points.times[1:-1]
         if not between.size:
             raise ViaPointsError("a movement of two via-points has none between its ends")
@@ -187,7 +203,7 @@ class ArmTask(ABC):
             seed: Of all that differs from trial to trial.
 
         Raises:
-            OutcomeError: A task variable was not measured.
+            OutcomeError: A task variable was not measured, or is no vector of the right length.
         """
         movement = self._movement(via_points)
         if isinstance(movement, RefusedTrial):
@@ -197,12 +213,8 @@ class ArmTask(ABC):
         except BrokenOffError as error:
             return RefusedTrial(str(error), self._variables, FAILED)
         tool = HeldTool(self.scene.arm, motion, self.scene.mount)
-        results = self.measure(tool, np.random.default_rng(seed))
-        for name in self._variables:
-            if name not in results:
-                raise OutcomeError(
-                    f"{self.name}: {name} was not measured, only {', '.join(results) or 'nothing'}"
-                )
+        measured = self.measure(tool, np.random.default_rng(seed))
+        results = checked_results(self.name, measured, self._lengths)
         arm = self.scene.arm
         return ArmTrial(
             results=results,
@@ -222,6 +234,12 @@ class ArmTask(ABC):
             record["success"],
             broken_off=record["outcome"] == FAILED and record[self._variables[0]] is None,
         )
+
+
+def _length(subtask: Subtask) -> int | None:
+    """Of T, where a tolerance or gain for each of its values says it."""
+    values = (subtask.tolerance, getattr(subtask.gain, "value", None))
+    return next((len(v) for v in values if isinstance(v, tuple | list)), None)
 
 
 def _within(error: NDArray[np.float64] | None, tolerance: tuple[float, ...] | float) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.math import RigidTransform
 
+from drake_viapoint.errors import OutcomeError
 from drake_viapoint.robot.arm import Arm, ToolMotion
 from drake_viapoint.robot.arm_motion import ArmMotion
 
@@ -113,6 +114,66 @@ class ArmTrial:
         clamped = [f"torque clamped: {' '.join(self.saturated)}"] if self.saturated else []
         beyond = [f"beyond limits: {' '.join(self.beyond_limits)}"] if self.beyond_limits else []
         return ", ".join([SUCCEEDED if self.success else MISSED, *off, *clamped, *beyond])
+
+
+def checked_results(
+    task: str, measured: object, lengths: Mapping[str, int | None]
+) -> dict[str, Result]:
+    """What a task measured of a trial, each variable a vector of floats.
+
+    Args:
+        task: Its name, for errors.
+        measured: What its ``measure`` returned.
+        lengths: Of the task variables that have to be there, None where any will do.
+
+    Raises:
+        OutcomeError: It is not results by name, a variable is missing, or its T and Td are not
+            vectors of the same length. Names task, variable and type or shape.
+    """
+    if not isinstance(measured, Mapping):
+        kind = type(measured).__name__
+        raise OutcomeError(f"{task}: measure must return results by name, got {kind}")
+    for name in lengths:
+        if name not in measured:
+            there = ", ".join(map(str, measured)) or "nothing"
+            raise OutcomeError(f"{task}: {name} was not measured, only {there}")
+    return {
+        name: _checked(f"{task}: {name}", result, lengths.get(name))
+        for name, result in measured.items()
+    }
+
+
+def _checked(what: str, result: object, length: int | None) -> Result:
+    if not isinstance(result, Result):
+        raise OutcomeError(
+            f"{what} must be a Result(realized=..., desired=...), got {type(result).__name__}"
+        )
+    desired = _vector(f"{what}: desired", result.desired)
+    if result.realized is None:
+        return Result(None, desired)
+    realized = _vector(f"{what}: realized", result.realized)
+    if realized.shape != desired.shape:
+        raise OutcomeError(
+            f"{what}: realized and desired must be of the same length, got shapes "
+            f"{realized.shape} and {desired.shape}"
+        )
+    if length not in (None, realized.size):
+        raise OutcomeError(
+            f"{what} must have {length} values, as its subtask's tolerance or gain has, got shape "
+            f"{realized.shape}"
+        )
+    return Result(realized, desired)
+
+
+def _vector(what: str, value: ArrayLike) -> NDArray[np.float64]:
+    try:
+        vector = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        kind = type(value).__name__
+        raise OutcomeError(f"{what} must be a vector of numbers, got {kind}") from error
+    if vector.ndim != 1 or not vector.size:
+        raise OutcomeError(f"{what} must be a vector (m,), got shape {vector.shape}")
+    return vector
 
 
 def desired_name(task_variable: str) -> str:

@@ -52,7 +52,7 @@ def fault(folder: Path, text: str) -> str:
     return message.removeprefix(f"{folder / 'toy.yaml'}: ")
 
 
-@pytest.mark.parametrize("text", ["", "# nothing said\n", "{}", "task: toy"])
+@pytest.mark.parametrize("text", ["{}", "task: toy"])
 def test_what_is_left_out_keeps_its_default(tmp_path: Path, text: str) -> None:
     assert load(tmp_path, text) == Toy()
 
@@ -123,6 +123,39 @@ def test_key_and_value_are_named(tmp_path: Path, text: str, key: str, value: str
 def test_the_right_one_of_two_alike_is_named(tmp_path: Path) -> None:
     """Drake's reader says but the last part of a key."""
     assert fault(tmp_path, "seed: 3\ntools: {seed: 3}").startswith("tools.seed: 3")
+
+
+@pytest.mark.parametrize("text", ["", "\n", "# nothing said\n", "---\n", "null"])
+def test_an_empty_file_is_no_scenario(tmp_path: Path, text: str) -> None:
+    """It would be the whole default: what was to be written into it is not what runs."""
+    assert fault(tmp_path, text).startswith("is empty")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "sede: 7",
+            "sede: 7: unknown key; perhaps seed is meant, there are task, seed, tools, share",
+        ),
+        (
+            "tools: {wieght: {a: 1}}",
+            "tools.wieght: {'a': 1}: unknown key; perhaps weight is meant, there are racket, "
+            "weight, strings",
+        ),
+        ("x: 1", "x: 1: unknown key; there are task, seed, tools, share"),
+    ],
+)
+def test_an_unknown_key_is_told_from_those_there_are(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    assert fault(tmp_path, text) == message
+
+
+def test_an_unknown_key_of_drakes_is_told_too() -> None:
+    for key, near in (("plant.time_stop", "time_step"), ("simulator.acuracy", "accuracy")):
+        with pytest.raises(ScenarioError, match=f"^.*{key}: 0.0: unknown key; perhaps {near} is"):
+            task_scenario("serve", changes={key: 0.0})
 
 
 @pytest.mark.parametrize("text", ["[1, 2]", "toy", "3", "- task: toy"])

@@ -15,6 +15,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_viapoint.errors import ScenarioError
+from drake_viapoint.tasks.scenario_keys import check_keys
 
 
 class Scenario(Protocol):
@@ -72,7 +73,9 @@ def make_scenario(
     try:
         for key, value in (changes or {}).items():
             _change(changed, key, value)
-        _check_lists(changed, schema())
+        default = schema()
+        check_keys(changed, default)
+        _check_lists(changed, default)
         scenario = _load(changed, schema)
         scenario.validate()
     except RecursionError as error:
@@ -84,7 +87,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
     """A YAML file's keys and values, unchecked.
 
     Raises:
-        ScenarioError: The file cannot be read, is not YAML or holds no mapping.
+        ScenarioError: The file cannot be read, is empty, not YAML or holds no mapping.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -94,7 +97,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
     except (yaml.YAMLError, ValueError, RecursionError) as error:  # 2026-13-32 is a ValueError
         raise ScenarioError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
     if data is None:
-        data = {}
+        raise ScenarioError(f"{path}: is empty; a scenario names its task")
     if not isinstance(data, dict):
         raise ScenarioError(f"{path}: a scenario is a mapping of keys to values")
     return data

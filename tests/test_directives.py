@@ -123,6 +123,37 @@ def test_errors_name_the_address(tmp_path: Path, address: str, reason: str) -> N
     assert reason in message
 
 
+@pytest.mark.parametrize(
+    ("item", "fault_at"),
+    [
+        ("add_modle: {name: a}", "unknown key add_modle; there are add_model, "),
+        ("add_model: {nam: a}", "unknown key nam; there are file, name, "),
+        ("add_model: {name: [a]}", "name must be a scalar, got a sequence"),
+        ("add_weld: {parent: a, child: b, X_PC: {translation: [0]}}", "has 1-size entry"),
+        ("add_frame: {name: a, X_PF: {rotation: !Roll {deg: [0]}}}", "has unsupported type tag"),
+    ],
+)
+def test_a_typing_error_is_told_by_line_and_key(tmp_path: Path, item: str, fault_at: str) -> None:
+    """Drake's reader says where it was, too, in types of C++."""
+    file = tmp_path / "own.dmd.yaml"
+    file.write_text(f"directives:\n- {item}\n")
+    message = fault(file)
+    assert message.startswith(f"{file}: line 2: {fault_at}")
+    assert "while" not in message
+    assert str(file) not in message.removeprefix(f"{file}: ")
+
+
+def test_the_outermost_key_and_files_within_are_told(tmp_path: Path) -> None:
+    own = package(tmp_path, "own")
+    inner, outer = own / "inner.dmd.yaml", own / "outer.dmd.yaml"
+    inner.write_text("directive: []\n")
+    assert fault(inner) == f"{inner}: line 1: unknown key directive; there are directives"
+    outer.write_text("directives:\n- add_directives: {file: package://own/inner.dmd.yaml}\n")
+    assert fault(outer).startswith(f"{outer}: {inner}, line 1: unknown key directive")
+    inner.write_text("directives: 3\n")
+    assert fault(inner) == f"{inner}: line 1: directives must be a sequence, got a scalar"
+
+
 def test_the_known_packages_are_listed(tmp_path: Path) -> None:
     message = fault(directives(package(tmp_path, "own"), "package://owm/ball.urdf"))
     known = message.partition("known are ")[2].split(", ")

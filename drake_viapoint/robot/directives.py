@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+from pydrake.multibody import parsing
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_viapoint.errors import ModelFileError
 from drake_viapoint.packages import package_map
+
+_YAML_FAULT = re.compile(
+    r"(?P<file>.+?):(?P<line>\d+):\d+: YAML node of type \w+ \([^)]*\) "
+    r"(?:key '(?P<unknown>.*?)' did not match any visited value entry for <root>"
+    r"|has non-(?P<due>\w+) \((?P<kind>\w+)\) entry for .*? (?P<key>[\w\[\]]+)"
+    r"|(?P<other>.*?))"
+    r"(?: while .*)?\.?"
+)
+"""What Drake's reader says of a key; then it says where it was, from inside out."""
+
+_VISITED = re.compile(r" while visiting (?:std::optional<)?drake::multibody::parsing::(\w+)")
 
 
 def add_directives(plant: MultibodyPlant, path: Path, address: str | None = None) -> None:
@@ -39,4 +52,23 @@ def add_directives(plant: MultibodyPlant, path: Path, address: str | None = None
                 f"{reason.partition(' is invalid')[0]} is no address: it has the form "
                 "package://NAME/FILE or file:///FILE"
             )
+        reason = _yaml_fault(reason, path) or reason
         raise ModelFileError(address or str(path), reason) from error
+
+
+def _yaml_fault(reason: str, path: Path) -> str | None:
+    """What is wrong with a key of a directives file, without what Drake's reader was doing."""
+    fault = _YAML_FAULT.fullmatch(reason)
+    if fault is None:
+        return None
+    where = "" if Path(fault["file"]) == path else f"{fault['file']}, "
+    said = f"{where}line {fault['line']}: "
+    if fault["other"]:
+        return said + fault["other"]
+    if fault["due"]:
+        due, kind = fault["due"].lower(), fault["kind"].lower()
+        return f"{said}{fault['key']} must be a {due}, got a {kind}"
+    visited = _VISITED.search(reason)
+    schema = getattr(parsing, visited[1], None) if visited else None
+    known = [item.name for item in getattr(schema, "__fields__", ())] or ["directives"]
+    return f"{said}unknown key {fault['unknown']}; there are {', '.join(known)}"

@@ -881,7 +881,7 @@ def test_a_scenario_of_the_upswing(command: Callable[..., Answer], tmp_path: Pat
     assert answer.code == 1, answer
     assert "length: 0.3\n" in (tmp_path / "run" / SCENARIO).read_text()
     command("learn", "serve", "--scenario", "mine.yaml", "--out", "other").refuses(
-        "mine.yaml", "pendulum"
+        "mine.yaml", "task must be serve, got upswing"
     )
 
 

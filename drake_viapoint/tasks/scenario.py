@@ -74,6 +74,9 @@ def make_scenario(
         for key, value in (changes or {}).items():
             _change(changed, key, value)
         default = schema()
+        task = changed.get("task", default.task)
+        if isinstance(task, str):  # before its keys, which are another task's
+            require(task == default.task, "task", task, f"must be {default.task}")
         check_keys(changed, default)
         _check_lists(changed, default)
         scenario = _load(changed, schema)

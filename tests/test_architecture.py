@@ -68,8 +68,8 @@ def broken_rules(module: str, source: str) -> list[str]:
         root = name.split(".")[0]
         if root == "pydrake" and (here in WITHOUT_DRAKE or not here):
             broken.append(f"{module}:{line} imports Drake: {name}")
-        if here == "learning" and root not in STDLIB | {"numpy", "scipy", "drake_viapoint"}:
-            broken.append(f"{module}:{line} learning is numpy and scipy only: {name}")
+        if here == "learning" and root not in STDLIB | {"numpy", "drake_viapoint"}:
+            broken.append(f"{module}:{line} learning is numpy only: {name}")
         if here == "learning" and root in {"io", "json", "os", "pathlib", "pickle"}:
             broken.append(f"{module}:{line} learning knows no files: {name}")
         if root == "click" and here != "cli":

@@ -11,7 +11,10 @@ import pytest
 import yaml
 from markdown_pages import ROOT, fences, texts
 
+from drake_viapoint.errors import RunFolderError
+from drake_viapoint.runs.run_folder import RunFolder, read_trials
 from drake_viapoint.runs.study import Study
+from drake_viapoint.runs.task_run import begin
 from drake_viapoint.tasks.catalogue import TASKS, task_scenario
 from drake_viapoint.tasks.scenario import dump_scenario
 from drake_viapoint.tasks.whole_scenario import meanings
@@ -22,16 +25,40 @@ WITH_CODE = [p for p, t in PAGES.items() if any(f.info.startswith("python") for 
 Page = dict[str, Any]
 
 
-@pytest.mark.parametrize("page", WITH_CODE)
-def test_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All Python of a page in its order, with the files that its other blocks have titles of."""
-    monkeypatch.chdir(tmp_path)
+def executed(page: str) -> Page:
+    """What a page's Python has named, run in its order in the current folder.
+
+    Other blocks with a title are files of that name.
+    """
     names: Page = {"__name__": "manual"}
     for info, code in fences(PAGES[page]):
         if title := re.search(r'title="(.+?)"', info):
             Path(title[1]).write_text(code)
         elif info.startswith("python"):
             exec(compile(code, page, "exec"), names)
+    return names
+
+
+@pytest.mark.parametrize("page", WITH_CODE)
+def test_code_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    executed(page)
+
+
+def test_a_real_robot_goes_on_with_no_other_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The simulation's is the one that the README begins, in a folder like its own."""
+    monkeypatch.chdir(tmp_path)
+    page = executed("docs/real-robot.md")
+    robot = page["StandIn"](seed=1)
+    begin(Path("simulated"), task_scenario("serve")).close()
+    RunFolder.create(Path("longer"), page["ABOUT"] + "and: more\n").close()
+    for foreign in ("simulated", "longer"):
+        with pytest.raises(RunFolderError, match=f"^{foreign}: holds a run of something else"):
+            page["run"](Path(foreign), robot, max_trials=1)
+        assert read_trials(Path(foreign)) == []
+    assert robot.trials == 0
 
 
 def keys(values: Page, prefix: str = "") -> set[str]:

@@ -143,6 +143,46 @@ def test_a_typing_error_is_told_by_line_and_key(tmp_path: Path, item: str, fault
     assert str(file) not in message.removeprefix(f"{file}: ")
 
 
+@pytest.mark.parametrize(
+    ("item", "said"),
+    [
+        ("{add_model: {file: package://own/ball.urdf}}", "add_model needs a name"),
+        ("{add_model: {name: a}}", "add_model needs a file"),
+        ("{add_weld: {parent: world}}", "add_weld needs a child"),
+        ("{add_frame: {name: a, X_PF: {}}}", "add_frame needs an X_PF.base_frame"),
+        ("{add_directives: {}}", "add_directives needs a file"),
+        (
+            "{add_model: {name: a, file: package://own/ball.urdf}, add_weld: {parent: world}}",
+            "must be one, got add_model, add_weld",
+        ),
+        ("{}", "must be one, got nothing"),
+    ],
+)
+@pytest.mark.parametrize("within", [False, True])
+def test_what_would_stop_the_process_is_refused(
+    tmp_path: Path, item: str, said: str, within: bool
+) -> None:
+    """Drake aborts on them, and takes with it whoever reads the file."""
+    own = package(tmp_path, "own")
+    file, outer = own / "inner.dmd.yaml", own / "outer.dmd.yaml"
+    file.write_text(f"directives:\n- {item}\n")
+    outer.write_text("directives:\n- add_directives: {file: package://own/inner.dmd.yaml}\n")
+    message = fault(outer if within else file)
+    assert f"{file}: item 1 of directives" in message
+    assert message.endswith(said)
+
+
+def test_directives_that_add_themselves_are_refused(tmp_path: Path) -> None:
+    own = package(tmp_path, "own")
+    for name, other in (("a", "b"), ("b", "a"), ("c", "c")):
+        address = f"package://own/{other}.dmd.yaml"
+        (own / f"{name}.dmd.yaml").write_text(
+            f"directives:\n- add_directives: {{file: {address}}}\n"
+        )
+    for name in "abc":
+        assert fault(own / f"{name}.dmd.yaml").endswith("is added by what it adds itself")
+
+
 def test_the_outermost_key_and_files_within_are_told(tmp_path: Path) -> None:
     own = package(tmp_path, "own")
     inner, outer = own / "inner.dmd.yaml", own / "outer.dmd.yaml"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import yaml
+from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody import parsing
-from pydrake.multibody.parsing import Parser
+from pydrake.multibody.parsing import PackageMap, Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_viapoint.errors import ModelFileError
@@ -22,6 +24,17 @@ _YAML_FAULT = re.compile(
 """What Drake's reader says of a key; then it says where it was, from inside out."""
 
 _VISITED = re.compile(r" while visiting (?:std::optional<)?drake::multibody::parsing::(\w+)")
+
+
+_NEEDED = {
+    "add_model": ("file", "name"),
+    "add_model_instance": ("name",),
+    "add_frame": ("name",),
+    "add_weld": ("parent", "child"),
+    "add_collision_filter_group": ("name",),
+    "add_directives": ("file",),
+}
+"""What a directive cannot be without."""
 
 
 def add_directives(plant: MultibodyPlant, path: Path, address: str | None = None) -> None:
@@ -41,6 +54,7 @@ def add_directives(plant: MultibodyPlant, path: Path, address: str | None = None
     parser = Parser(plant)
     packages = parser.package_map()
     packages.AddMap(package_map(path))
+    _check_said(path, packages, address or str(path))
     try:
         parser.AddModels(str(path))
     except RuntimeError as error:
@@ -54,6 +68,38 @@ def add_directives(plant: MultibodyPlant, path: Path, address: str | None = None
             )
         reason = _yaml_fault(reason, path) or reason
         raise ModelFileError(address or str(path), reason) from error
+
+
+def _check_said(
+    path: Path, packages: PackageMap, address: str, above: tuple[Path, ...] = ()
+) -> None:
+    """Check what Drake does not refuse but stops the process for; all else it says better."""
+    try:
+        read = yaml_load_typed(schema=parsing.ModelDirectives, filename=str(path))
+    except (OSError, RuntimeError, ValueError, TypeError, AssertionError, AttributeError):
+        return
+    except yaml.YAMLError:
+        return
+    for number, directive in enumerate(read.directives, start=1):
+        said = {name: getattr(directive, name) for name in _NEEDED if getattr(directive, name)}
+        if len(said) != 1:
+            kinds = ", ".join(said) or "nothing"
+            raise ModelFileError(address, f"item {number} of directives must be one, got {kinds}")
+        ((kind, its),) = said.items()
+        for key in _NEEDED[kind]:
+            if not getattr(its, key):
+                raise ModelFileError(address, f"item {number} of directives: {kind} needs a {key}")
+        if kind == "add_frame" and not its.X_PF.base_frame:
+            reason = f"item {number} of directives: {kind} needs an X_PF.base_frame"
+            raise ModelFileError(address, reason)
+        if kind == "add_directives":
+            try:
+                inner = Path(packages.ResolveUrl(its.file))
+            except RuntimeError:
+                continue
+            if inner.resolve() in (*above, path.resolve()):
+                raise ModelFileError(address, f"{its.file} is added by what it adds itself")
+            _check_said(inner, packages, f"{address}: {inner}", (*above, path.resolve()))
 
 
 def _yaml_fault(reason: str, path: Path) -> str | None:

@@ -154,6 +154,20 @@ def test_an_interrupted_experiment_goes_on(
     assert "earlier" in made(tmp_path)[0][1], "what was only begun is set aside, too"
 
 
+def test_the_page_is_there_before_all_is_made(
+    tmp_path: Path, counted: Counted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> Findings:
+        raise KeyboardInterrupt
+
+    later = replace(counted.experiment(), name="robot", make=interrupted, runs=("robot",))
+    both = {"upswing": counted.experiment(), "robot": later}
+    monkeypatch.setattr(reproduce, "BY_NAME", both)
+    with pytest.raises(KeyboardInterrupt):
+        reproduce.reproduce(tmp_path, {"upswing": 2, "robot": 2}, Bars())
+    assert "2 made" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.usefixtures("counted")
 def test_a_damaged_ledger_is_made_anew(tmp_path: Path) -> None:
     made(tmp_path)

@@ -73,7 +73,8 @@ def reproduce(
         done.append(_carry_out(plan, out, ledger, source, progress, say))
         if plan.kept is None:
             clock.passed(plan.duration)
-    write_report(out, {e.name: ledger.read(e.name) for e in EXPERIMENTS})
+        # as far as it goes: what comes later may be interrupted
+        write_report(out, {e.name: ledger.read(e.name) for e in EXPERIMENTS})
     return done
 
 

@@ -137,10 +137,14 @@ def test_recordings_play_in_the_page(chromium: Any, out: Path) -> None:
 
 
 @in_a_browser
-@pytest.mark.parametrize("where", ["disk", "server"])
-def test_a_recording_plays_alone(chromium: Any, out: Path, server: str, where: str) -> None:
+@pytest.mark.parametrize(
+    ("where", "trial"), [("disk", 1), ("disk", 15), ("disk", 30), ("server", 30)]
+)
+def test_a_recording_plays_alone(
+    chromium: Any, out: Path, server: str, where: str, trial: int
+) -> None:
     watched = Watched(chromium, "phone")
-    name = "upswing_trial30.html"
+    name = f"upswing_trial{trial:02d}.html"
     watched.page.goto(f"{server}/{name}" if where == "server" else (out / name).as_uri())
     canvas = watched.page.locator("canvas").first
     canvas.wait_for(state="visible")

@@ -14,7 +14,7 @@ from progress_bars import Bars
 from drake_viapoint.cli.reproduce import EXPERIMENTS as TYPED
 from drake_viapoint.errors import RunFolderError, ViapointError
 from drake_viapoint.packages import resolve
-from drake_viapoint.reproduction import conditions, reproduce, robot
+from drake_viapoint.reproduction import conditions, ledger, reproduce, robot
 from drake_viapoint.reproduction.captions import PICTURES
 from drake_viapoint.reproduction.experiments import BY_NAME, EXPERIMENTS, Experiment
 from drake_viapoint.reproduction.findings import Comparison, Findings, Verdict, findings_of
@@ -96,6 +96,24 @@ def test_another_version_is_done_again(tmp_path: Path, counted: Counted) -> None
     said, _ = made(tmp_path)
     assert "as versions.drake was 1.51.1, is 1.58.0" in said[0]
     assert counted.made == [2, 2]
+
+
+def test_other_models_are_done_again(
+    tmp_path: Path, counted: Counted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    models = tmp_path / "models"
+    models.mkdir()
+    (models / "arm.urdf").write_text("heavy")
+    monkeypatch.setattr(ledger, "models_path", lambda: models)
+    made(tmp_path / "out")
+    (models / "make_arm.py").write_text("what makes a model is none")
+    assert made(tmp_path / "out")[1].unchanged
+    (models / "arm.urdf").write_text("light")
+    said, done = made(tmp_path / "out")
+    assert not done.unchanged
+    assert "done again, as models was" in said[0]
+    assert counted.made == [2, 2]
+    assert (tmp_path / "out" / "earlier" / "1" / "runs").is_dir()
 
 
 def test_a_larger_study_goes_on_and_stays(tmp_path: Path, counted: Counted) -> None:

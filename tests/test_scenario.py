@@ -291,7 +291,7 @@ def test_a_whole_scenario_loads_as_itself_and_takes_what_it_offers(
 def parts(scenario: object, above: str = "") -> Iterator[tuple[str, object]]:
     """A scenario and its parts, by the keys they are below."""
     yield above, scenario
-    for item in fields(scenario):  # type: ignore[arg-type]
+    for item in fields(scenario):
         if is_dataclass(part := getattr(scenario, item.name)):
             yield from parts(part, f"{above}{item.name}.")
 
@@ -303,7 +303,7 @@ def test_the_shipped_scenarios_say_every_key(tmp_path: Path, task: str) -> None:
     file.write_text(whole := whole_scenario(scenario))
     assert dump_scenario(task_scenario(task, file)) == dump_scenario(scenario)
     for above, part in parts(scenario):
-        for item in fields(part):  # type: ignore[arg-type]
+        for item in fields(part):
             assert re.search(rf"(?m)^ *(# )?{item.name}:", whole), item.name
             if getattr(part, item.name) is None:
                 file.write_text(uncommented(whole, item.name, "0.25"))
@@ -316,7 +316,7 @@ def without_meaning(scenario: object) -> list[str]:
     bare = []
     for above, part in parts(scenario):
         told = meanings(type(part))
-        for item in fields(part):  # type: ignore[arg-type]
+        for item in fields(part):
             inner = getattr(part, item.name)
             kind = type(inner)
             made_up = is_dataclass(kind) and (kind.__doc__ or "").startswith(f"{kind.__name__}(")

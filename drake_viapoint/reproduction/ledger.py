@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,9 +17,11 @@ from typing import Any
 
 import drake_viapoint
 from drake_viapoint.errors import RunFolderError
+from drake_viapoint.packages import models_path
 from drake_viapoint.reproduction.findings import Findings, findings_of
 
 FOLDER = "reproduced"
+_MADE_BY = {".py", ".pyc"}  # what makes models is none
 EARLIER = "earlier"
 """Folder of runs that were set aside."""
 
@@ -143,15 +145,26 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
 def source_digest() -> str:
     """Of the package's own code."""
     package = Path(drake_viapoint.__file__).parent
-    code = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        code.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
-    return code.hexdigest()[:16]
+    return _digest(package, package.rglob("*.py"))
+
+
+def models_digest() -> str:
+    """Of all that lies with the models: arms, scenes, demonstrations, scenarios, studies."""
+    models = models_path()
+    own = (path for path in models.rglob("*") if path.is_file() and path.suffix not in _MADE_BY)
+    return _digest(models, own)
 
 
 def now_in_words() -> str:
     """The time of day [UTC], to the minute."""
     return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+def _digest(folder: Path, files: Iterable[Path]) -> str:
+    content = hashlib.sha256()
+    for path in sorted(files):
+        content.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
+    return content.hexdigest()[:16]
 
 
 def _short(*values: object) -> bool:

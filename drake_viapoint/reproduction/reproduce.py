@@ -15,6 +15,7 @@ from drake_viapoint.reproduction.ledger import (
     Entry,
     Ledger,
     differences,
+    models_digest,
     now_in_words,
     source_digest,
 )
@@ -96,7 +97,7 @@ class _Plan:
 
 
 def _plan(ledger: Ledger, experiment: Experiment, size: int, source: str) -> _Plan:
-    depends = json.loads(json.dumps(experiment.depends()))
+    depends = json.loads(json.dumps({**experiment.depends(), "models": models_digest()}))
     entry = ledger.read(experiment.name)
     counted = f"{size} {experiment.unit}" if experiment.unit else "one run"
     if entry is None:
